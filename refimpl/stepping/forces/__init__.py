@@ -1,0 +1,1 @@
+"""Forces: one module each, every one answering the questions of `generic`."""

@@ -1,0 +1,133 @@
+"""The questions that an integrator asks of a force, each answered by the force's own module.
+
+A force is a `typing.NamedTuple`: a plain record of parameters and work arrays. It answers by registering one function
+per question. A `None` field is an absent feature: numba prunes its branch from a function that gets the field as an
+argument (not as an attribute), so answers unpack the record and hand the fields on. The same call works in plain Python
+(dispatch on the class at run time) and inside a numba kernel (dispatch on the type at compile time).
+
+State arrays are flat: `r` and `v` have shape `(N * d,)`, particle after particle. Flat arrays compile about three
+times faster than two-dimensional ones, and a scheme that works on coordinates needs no shape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from numba.extending import overload
+
+Implementation = TypeVar("Implementation", bound=Callable[..., Any])
+
+#: `status` values of a force, read by the step loop after every evaluation.
+GOOD = 0
+NEEDS_CAPACITY = 1  # a work array is too small: `enlarge` the force and repeat the step
+DIVERGED = 2  # a coordinate is not finite, or moved further than the box in one step
+
+_answers: dict[Callable[..., Any], dict[type, Callable[..., Any]]] = {}
+_defaults: dict[Callable[..., Any], Callable[..., Any]] = {}
+
+
+def _question(function: Implementation) -> Implementation:
+    """Makes `function(force, ...)` dispatch on the class of `force`; its own body is the answer of all others."""
+    table: dict[type, Callable[..., Any]] = {}
+
+    def ask(force: Any, *arguments: Any) -> Any:
+        return table.get(type(force), function)(force, *arguments)
+
+    ask.__name__ = function.__name__
+    ask.__doc__ = function.__doc__
+    _answers[ask] = table
+    _defaults[ask] = function
+    return ask  # type: ignore[return-value]
+
+
+def answers(question: Callable[..., Any], force_class: type) -> Callable[[Implementation], Implementation]:
+    """Registers the decorated function as the answer of `force_class` to `question`.
+
+    The function must be plain Python that numba can compile (it may call jitted kernels), with the same argument
+    names as the question.
+    """
+
+    def register(function: Implementation) -> Implementation:
+        _answers[question][force_class] = function
+        return function
+
+    return register
+
+
+def _compiled_answer(question: Callable[..., Any], force: Any) -> Callable[..., Any] | None:
+    force_class: Any = getattr(force, "instance_class", None)
+    return _answers[question].get(force_class, _defaults[question])
+
+
+@_question
+def accelerate(force: Any, r: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Acceleration f(r, v)/m of every coordinate, shape (N*d,)."""
+    raise NotImplementedError("this force has no acceleration")
+
+
+@_question
+def potential_energy(force: Any, r: np.ndarray) -> float:
+    """Total potential energy U(r)."""
+    raise NotImplementedError("this force has no potential energy")
+
+
+@_question
+def kinetic_energy(force: Any, v: np.ndarray) -> float:
+    """Total kinetic energy K = sum m v^2 / 2, with the masses that the force holds."""
+    raise NotImplementedError("this force holds no masses")
+
+
+@_question
+def virial(force: Any, r: np.ndarray) -> float:
+    """Virial W = sum over pairs of r_ij . F_ij; the pressure is (2 K + W)/(d V)."""
+    raise NotImplementedError("this force has no virial")
+
+
+@_question
+def derivatives(force: Any, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
+    """The time derivatives r_3, r_4, ... of the coordinates, shape (count, N*d); zeros where they are not known."""
+    return np.zeros((count, r.size))
+
+
+@_question
+def status(force: Any) -> int:
+    """GOOD, NEEDS_CAPACITY or DIVERGED: the outcome of the last evaluation."""
+    return GOOD
+
+
+@_question
+def enlarge(force: Any) -> Any:
+    """The same force with larger work arrays, after `status` said NEEDS_CAPACITY. Asked from Python only."""
+    raise NotImplementedError("this force has no work arrays")
+
+
+@overload(accelerate, inline="never", strict=False)
+def _accelerate(force: Any, r: Any, v: Any) -> Any:
+    return _compiled_answer(accelerate, force)
+
+
+@overload(potential_energy, inline="never", strict=False)
+def _potential_energy(force: Any, r: Any) -> Any:
+    return _compiled_answer(potential_energy, force)
+
+
+@overload(kinetic_energy, inline="never", strict=False)
+def _kinetic_energy(force: Any, v: Any) -> Any:
+    return _compiled_answer(kinetic_energy, force)
+
+
+@overload(virial, inline="never", strict=False)
+def _virial(force: Any, r: Any) -> Any:
+    return _compiled_answer(virial, force)
+
+
+@overload(derivatives, inline="never", strict=False)
+def _derivatives(force: Any, r: Any, v: Any, count: Any) -> Any:
+    return _compiled_answer(derivatives, force)
+
+
+@overload(status, inline="never", strict=False)
+def _status(force: Any) -> Any:
+    return _compiled_answer(status, force)

@@ -1,0 +1,333 @@
+"""Time-integration schemes for m r'' = f(r, v): pure step functions on arrays, and the table of what each claims.
+
+A scheme is a record (a `NamedTuple`, usually without fields) with two pure functions:
+
+`start(force, r, v, dt) -> memory`
+    what the scheme carries from step to step besides `r` and `v`, a tuple of arrays;
+`step(force, r, v, memory, dt) -> (r, v, memory)`
+    the state one step later, positions and velocities at the same time.
+
+`r`, `v`: flat coordinates, shape (N*d,). `accelerate(force, r, v)` is f/m. The functions run as plain numpy, and
+compiled inside the step loop of `integrate`.
+
+To add a scheme: one class here and one line in `SCHEMES`. Its claims are checked by `crosscheck run 'stepping/*'`.
+
+Literature: M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids, 2nd ed., Oxford University Press (2017),
+chapter 3 and appendix E of the 1st ed. (1987); L. Verlet, Phys. Rev. 159, 98 (1967); D. Beeman, J. Comput. Phys. 20,
+130 (1976); C. W. Gear, Numerical Initial Value Problems in Ordinary Differential Equations, Prentice-Hall (1971);
+W. C. Swope, H. C. Andersen, P. H. Berens and K. R. Wilson, J. Chem. Phys. 76, 637 (1982).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from refimpl.stepping.forces.generic import accelerate, derivatives
+
+Array = np.ndarray
+Memory = tuple[Array, ...]
+State = tuple[Array, Array, Memory]
+
+
+class Euler(NamedTuple):
+    """r + dt v + dt^2 a/2; v + dt a, with a = f(r, v)/m at the old time."""
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        return ()
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        a = accelerate(force, r, v)
+        return r + dt * v + 0.5 * dt**2 * a, v + dt * a, memory
+
+
+class ModifiedEuler(NamedTuple):
+    """v' = v + dt a; r + dt v' + dt^2 a/2: counts the acceleration in r three times over, hence artificial damping."""
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        return ()
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        a = accelerate(force, r, v)
+        v = v + dt * a
+        return r + dt * v + 0.5 * dt**2 * a, v, memory
+
+
+class SymplecticEuler(NamedTuple):
+    """v' = v + dt a; r + dt v': the usual semi-implicit Euler."""
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        return ()
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        v = v + dt * accelerate(force, r, v)
+        return r + dt * v, v, memory
+
+
+class Verlet(NamedTuple):
+    """r(t+dt) = 2 r(t) - r(t-dt) + dt^2 a(t); v(t) = (r(t+dt) - r(t-dt))/2dt.
+
+    The velocity needs the positions one step ahead: they are the memory. A velocity-dependent force sees the backward
+    difference (r(t) - r(t-dt))/dt, the only velocity known when it is evaluated.
+    """
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        a = accelerate(force, r, v)
+        r_before = r - dt * v + 0.5 * dt**2 * a
+        return (2.0 * r - r_before + dt**2 * a,)
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        r_now = memory[0]
+        a = accelerate(force, r_now, (r_now - r) / dt)
+        r_ahead = 2.0 * r_now - r + dt**2 * a
+        return r_now, (r_ahead - r) / (2.0 * dt), (r_ahead,)
+
+
+class LeapFrog(NamedTuple):
+    """v(t+dt/2) = v(t-dt/2) + dt a(t); r(t+dt) = r(t) + dt v(t+dt/2); v(t) is the mean of the two half-step values.
+
+    The memory is the half-step velocity ahead; a velocity-dependent force sees the one behind.
+    """
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        return (v + 0.5 * dt * accelerate(force, r, v),)
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        v_behind = memory[0]
+        r = r + dt * v_behind
+        v_ahead = v_behind + dt * accelerate(force, r, v_behind)
+        return r, 0.5 * (v_behind + v_ahead), (v_ahead,)
+
+
+class VelocityVerlet(NamedTuple):
+    """v(t+dt/2) = v + dt a/2; r + dt v(t+dt/2); v(t+dt) = v(t+dt/2) + dt a(t+dt)/2.
+
+    The memory is the acceleration. A velocity-dependent force sees the half-step velocity, as in LAMMPS.
+    """
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        return (accelerate(force, r, v),)
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        v_half = v + 0.5 * dt * memory[0]
+        r = r + dt * v_half
+        a = accelerate(force, r, v_half)
+        return r, v_half + 0.5 * dt * a, (a,)
+
+
+@register_jitable
+def _accelerations_now_and_before(force: Any, r: Array, v: Array, dt: float) -> Memory:
+    """a(0) and a(-dt), the latter from an Euler step backwards: the start of the Beeman schemes."""
+    a = accelerate(force, r, v)
+    return a, accelerate(force, r - dt * v + 0.5 * dt**2 * a, v - dt * a)
+
+
+class Beeman(NamedTuple):
+    """r + dt v + dt^2 (4 a(t) - a(t-dt))/6; v + dt (2 a(t+dt) + 5 a(t) - a(t-dt))/6.
+
+    A velocity-dependent force sees the velocity of the step before.
+    """
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        return _accelerations_now_and_before(force, r, v, dt)
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        a, a_before = memory
+        r = r + dt * v + dt**2 / 6.0 * (4.0 * a - a_before)
+        a_new = accelerate(force, r, v)
+        return r, v + dt / 6.0 * (2.0 * a_new + 5.0 * a - a_before), (a_new, a)
+
+
+class BeemanPredictorCorrector(NamedTuple):
+    """Beeman, with the velocity-dependent force at the predicted velocity v + dt (3 a(t) - a(t-dt))/2."""
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        return _accelerations_now_and_before(force, r, v, dt)
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        a, a_before = memory
+        r = r + dt * v + dt**2 / 6.0 * (4.0 * a - a_before)
+        v_predicted = v + 0.5 * dt * (3.0 * a - a_before)
+        a_new = accelerate(force, r, v_predicted)
+        return r, v + dt / 6.0 * (2.0 * a_new + 5.0 * a - a_before), (a_new, a)
+
+
+class EulerPredictorCorrector(NamedTuple):
+    """Predicts r + dt v and v + dt a, evaluates a' there, corrects: v' = v + dt a'; r + dt v'. Not Heun's method."""
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        return ()
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        a = accelerate(force, r, v)
+        v_new = v + dt * accelerate(force, r + dt * v, v + dt * a)
+        return r + dt * v_new, v_new, memory
+
+
+class Gear(NamedTuple):
+    """Gear's predictor-corrector for second-order equations, on the scaled derivatives R_q = r_q dt^q/q!.
+
+    Predict R by Taylor's series (Pascal's triangle), evaluate a at the prediction, correct
+    R_q += alpha_q (a dt^2/2 - R_2). The memory is R_0, R_1, ... as one array, shape (order + 1, N*d).
+
+    corrector: alpha_0 ... alpha_order. analytic_start: higher derivatives from the force if it knows them, else zero.
+    """
+
+    corrector: Array
+    analytic_start: bool
+
+    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+        size = self.corrector.size
+        scaled = np.zeros((size, r.size))
+        scaled[0] = r
+        scaled[1] = dt * v
+        scaled[2] = accelerate(force, r, v) * (dt**2 / 2.0)
+        if self.analytic_start:
+            higher = derivatives(force, r, v, size - 3)
+            factor = dt**2 / 2.0
+            for q in range(3, size):
+                factor *= dt / q
+                scaled[q] = factor * higher[q - 3]
+        return (scaled,)
+
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+        size = self.corrector.size
+        scaled = memory[0].copy()
+        for lowest in range(size - 1):
+            for q in range(size - 2, lowest - 1, -1):
+                scaled[q] += scaled[q + 1]
+        change = accelerate(force, scaled[0], scaled[1] / dt) * (dt**2 / 2.0) - scaled[2]
+        for q in range(size):
+            scaled[q] += self.corrector[q] * change
+        return scaled[0].copy(), scaled[1] / dt, (scaled,)
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A scheme and what it claims; every claim but the prose is checked by runs (`stepping/schemes/*`).
+
+    order, order_damped: global orders (position, velocity) of the error for f(r) and for f(r, v).
+    stability_limit: largest omega dt for which the undamped oscillator stays bounded for ever; 0 if none does.
+    practical_limit: largest omega dt for which its amplitude grows by less than 1 % a step.
+    evaluations, start_evaluations: of the force, per step and at the start.
+    symplectic, reversible: of the map from the initial to the final (r, v), start procedure included.
+    start, velocity_forces: what is done at the start, and what velocity a velocity-dependent force sees.
+    """
+
+    record: Any
+    title: str
+    order: tuple[int, int]
+    order_damped: tuple[int, int]
+    stability_limit: float
+    practical_limit: float
+    evaluations: int
+    start_evaluations: int
+    symplectic: bool
+    reversible: bool
+    start: str
+    velocity_forces: str
+
+
+def _first_order(record: Any, title: str, limit: float, practical: float, evaluations: int, symplectic: bool) -> Scheme:
+    return Scheme(
+        record,
+        title,
+        order=(1, 1),
+        order_damped=(1, 1),
+        stability_limit=limit,
+        practical_limit=practical,
+        evaluations=evaluations,
+        start_evaluations=0,
+        symplectic=symplectic,
+        reversible=False,
+        start="nothing",
+        velocity_forces="at the predicted state" if evaluations == 2 else "at the old state",
+    )
+
+
+def _verlet_family(record: Any, title: str, damped: int, same_map: bool, start: str, velocity_forces: str) -> Scheme:
+    # Beeman's positions are Verlet's from a slightly different start, so its (r, v) map is neither exactly
+    # symplectic nor exactly reversible, and its energy does not drift all the same.
+    return Scheme(
+        record,
+        title,
+        order=(2, 2),
+        order_damped=(damped, damped),
+        stability_limit=2.0,
+        practical_limit=_VERLET_PRACTICAL,
+        evaluations=1,
+        start_evaluations=1 if same_map else 2,
+        symplectic=same_map,
+        reversible=same_map,
+        start=start,
+        velocity_forces=velocity_forces,
+    )
+
+
+def _gear_family(
+    title: str,
+    corrector: tuple[float, ...],
+    order: tuple[int, int],
+    order_damped: tuple[int, int],
+    limit: float,
+    practical: float,
+    analytic_start: bool = True,
+) -> Scheme:
+    return Scheme(
+        Gear(np.array(corrector), analytic_start),
+        title,
+        order=order,
+        order_damped=order_damped,
+        stability_limit=limit,
+        practical_limit=practical,
+        evaluations=1,
+        start_evaluations=1,
+        symplectic=len(corrector) == 3,
+        reversible=len(corrector) == 3,
+        start="r_2 from the force, r_3 ... " + ("analytic where the force knows them" if analytic_start else "zero"),
+        velocity_forces="predicted; no order is lost",
+    )
+
+
+# Growth of 1 % a step. Verlet: the root -g with g + 1/g = (omega dt)^2 - 2. Euler: 1 + (omega dt)^2/2 = g^2.
+# Modified Euler and Euler predictor-corrector: the real root -g. Gear: eigenvalues of the Nordsieck matrix.
+_VERLET_PRACTICAL = (2 + 1.01 + 1 / 1.01) ** 0.5
+_BEHIND = "r(-dt) by an Euler step backwards"
+_BEFORE = "a(0), and a(-dt) by an Euler step backwards"
+_GEAR4, _GEAR4_VELOCITY = (19 / 120, 3 / 4, 1.0, 1 / 2, 1 / 12), (19 / 90, 3 / 4, 1.0, 1 / 2, 1 / 12)
+_GEAR5 = (3 / 20, 251 / 360, 1.0, 11 / 18, 1 / 6, 1 / 60)
+_GEAR5_VELOCITY = (3 / 16, 251 / 360, 1.0, 11 / 18, 1 / 6, 1 / 60)
+
+SCHEMES: dict[str, Scheme] = {
+    "euler": _first_order(Euler(), "Euler", 0.0, (2 * (1.01**2 - 1)) ** 0.5, 1, False),
+    "modified_euler": _first_order(ModifiedEuler(), "Modified Euler", 2**0.5, 1.415985, 1, False),
+    "symplectic_euler": _first_order(SymplecticEuler(), "Symplectic Euler", 2.0, _VERLET_PRACTICAL, 1, True),
+    "verlet": _verlet_family(Verlet(), "Verlet", 1, True, _BEHIND, "backward difference: lagged half a step"),
+    "leapfrog": _verlet_family(LeapFrog(), "Leap-frog", 1, True, "v(dt/2) by half a step", "lagged half a step"),
+    "velocity_verlet": _verlet_family(VelocityVerlet(), "Velocity Verlet", 1, True, "a(0)", "half-step velocity"),
+    "beeman": _verlet_family(Beeman(), "Beeman", 1, False, _BEFORE, "lagged a whole step"),
+    "beeman_pc": _verlet_family(
+        BeemanPredictorCorrector(),
+        "Beeman predictor-corrector",
+        2,
+        False,
+        _BEFORE,
+        "predicted; no order is lost",
+    ),
+    "euler_pc": _first_order(EulerPredictorCorrector(), "Euler predictor-corrector", 2 / 3**0.5, 1.156625, 2, False),
+    "gear2": _gear_family("Gear 2", (0.0, 1.0, 1.0), (2, 2), (2, 2), 2.0, _VERLET_PRACTICAL),
+    "gear3": _gear_family("Gear 3", (1 / 6, 5 / 6, 1.0, 1 / 3), (4, 3), (3, 3), 2**0.5, 1.418901),
+    "gear4": _gear_family("Gear 4, f(r)", _GEAR4, (5, 4), (4, 4), 0.0, 1.113080),
+    "gear4_velocity": _gear_family("Gear 4, f(r,v)", _GEAR4_VELOCITY, (4, 4), (4, 4), 0.0, 0.939490),
+    "gear5": _gear_family("Gear 5, f(r)", _GEAR5, (6, 5), (5, 5), 0.0, 0.847453),
+    "gear5_velocity": _gear_family("Gear 5, f(r,v)", _GEAR5_VELOCITY, (5, 5), (5, 5), 0.312972, 0.806154),
+    "gear4_zero_start": _gear_family(
+        "Gear 4, zero start", _GEAR4_VELOCITY, (2, 2), (2, 2), 0.0, 0.939490, analytic_start=False
+    ),
+    "gear5_zero_start": _gear_family(
+        "Gear 5, zero start", _GEAR5_VELOCITY, (2, 2), (2, 2), 0.312972, 0.806154, analytic_start=False
+    ),
+}
