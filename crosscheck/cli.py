@@ -1,0 +1,122 @@
+"""The command line: list, run, simulate, report, show, engines, prove."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Tells whether a particle-simulation code is right, how fast it is, and where it breaks.",
+)
+
+Engines = Annotated[
+    Optional[list[str]],  # noqa: UP045 - typer reads it
+    typer.Option(
+        "--engine",
+        "-e",
+        help="Engine to judge: a name, or path.py:Class. Repeatable. Default: all installed.",
+    ),
+]
+Out = Annotated[Path, typer.Option("--out", "-o", help="Directory for the record and the report.")]
+
+
+@app.command("list")
+def list_checks(
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON document instead of a table.")] = False,
+) -> None:
+    """List the checks, their tier, engines and variants."""
+    from crosscheck import terminal
+
+    terminal.list_checks(as_json)
+
+
+@app.command()
+def show(check: Annotated[str, typer.Argument(help="Name of a check.")]) -> None:
+    """What a check measures, against what, with which criterion, and its planted faults."""
+    from crosscheck import terminal
+
+    terminal.show(check)
+
+
+@app.command()
+def engines() -> None:
+    """Which engines are found, which are missing and why."""
+    from crosscheck import terminal
+
+    terminal.engines()
+
+
+@app.command()
+def run(
+    patterns: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
+    tier: Annotated[str, typer.Option(help="quick, or full (which contains it).")] = "quick",
+    engine: Engines = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the suite; every case derives its own from it.")] = 0,
+    jobs: Annotated[Optional[int], typer.Option(min=1, help="Cases at once. Default: one per core.")] = None,  # noqa: UP045
+    out: Out = Path("crosscheck-out"),
+    resume: Annotated[Optional[Path], typer.Option(help="Go on with an interrupted run in this directory.")] = None,  # noqa: UP045
+    junit: Annotated[Optional[Path], typer.Option(help="Also write JUnit XML to this file.")] = None,  # noqa: UP045
+) -> None:
+    """Simulate, compare, judge, and write the record and the report.
+
+    Exit status: 0 all pass, 1 a check failed or ended in error, 2 bad usage or input.
+    """
+    from crosscheck import terminal
+
+    raise typer.Exit(terminal.run(patterns or [], tier, engine or [], seed, jobs, out, resume, junit))
+
+
+@app.command()
+def prove(
+    checks: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
+    jobs: Annotated[Optional[int], typer.Option(min=1, help="Faults at once. Default: one per core.")] = None,  # noqa: UP045
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+) -> None:
+    """Plant every check's faults in a copy of refimpl: each must turn its check red."""
+    from crosscheck import terminal
+
+    raise typer.Exit(terminal.prove(checks or [], jobs, seed))
+
+
+@app.command()
+def simulate(
+    scene: Annotated[Path, typer.Argument(help="Scene file (TOML), or the name of a shipped scene.")],
+    engine: Engines = None,
+    out: Out = Path("crosscheck-out"),
+) -> None:
+    """Run any scene: observables, trajectory and a picture; two engines side by side."""
+    from crosscheck import terminal
+
+    terminal.simulate(scene, engine or ["refimpl"], out)
+
+
+@app.command()
+def report(directory: Annotated[Path, typer.Argument(help="Directory of a run.")]) -> None:
+    """Write the HTML report of a run again, from its record."""
+    from crosscheck import terminal
+
+    terminal.report(directory)
+
+
+def main() -> None:
+    """Entry point: errors that a user can mend are one message and exit status 2."""
+    from crosscheck.errors import UsageError
+
+    try:
+        app()
+    except UsageError as error:
+        print(f"crosscheck: {error}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        print("crosscheck: interrupted; what was finished is in the record, `--resume` goes on", file=sys.stderr)
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Engines: one module each, every one in its own worker process."""

@@ -1,0 +1,103 @@
+"""The reference implementations of `refimpl` as an engine."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
+from crosscheck.scene import Floats, Method, Scene, State
+from refimpl.stepping.schemes import SCHEMES
+
+
+class RefimplEngine:
+    name = "refimpl"
+    schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()}
+
+    def version(self) -> str:
+        import numba
+
+        from crosscheck import __version__
+
+        return f"{__version__} (numba {numba.__version__})"
+
+    def supports(self, scene: Scene, method: Method) -> str | None:
+        return None if method.scheme in self.schemes else f"no scheme '{method.scheme}'"
+
+    def run(self, scene: Scene, method: Method) -> Run:
+        from refimpl.stepping.integrate import acceleration, integrate
+
+        state = scene.initial_state()
+        force = _force(scene, state)
+        r, v = state.positions.ravel(), state.velocities.ravel()
+        steps, every = scene.steps(method.dt), scene.every(method.dt)
+        output = scene.output
+        cost = Cost()
+
+        # a run of no steps compiles, or loads from the cache, all that the real one needs
+        started = time.perf_counter()
+        options: dict[str, Any] = {"trajectory": output.trajectory, "thermo": bool(output.observables)}
+        integrate(method.scheme, force, r, v, method.dt, 0, **options)
+        cost.compile = time.perf_counter() - started
+
+        with timed(cost):
+            done = integrate(method.scheme, force, r, v, method.dt, steps, every=every, **options)
+        cost.steps, cost.evaluations = done.steps, done.evaluations
+
+        def rows(flat: Floats) -> Floats:
+            return flat.reshape(*flat.shape[:-1], scene.number, scene.dimension)
+
+        run = Run(
+            time=sample_times(scene, method),
+            final_positions=rows(done.r),
+            final_velocities=rows(done.v),
+            diverged=done.diverged,
+            cost=cost,
+        )
+        if done.positions is not None and done.velocities is not None:
+            run.positions, run.velocities = rows(done.positions), rows(done.velocities)
+        if done.thermo is not None:
+            for column, name in enumerate(("kinetic_energy", "potential_energy", "virial")):
+                if name in output.observables:
+                    setattr(run, name, done.thermo[:, column])
+        if output.forces:
+            a, _ = acceleration(done.force, done.r, done.v)
+            run.forces = rows(a) * state.masses[:, None]
+        return run
+
+
+def _force(scene: Scene, state: State) -> Any:
+    """The force record of `refimpl` for a scene."""
+    if scene.spring is not None:
+        from refimpl.stepping.forces.spring import spring
+
+        masses = np.unique(state.masses)
+        if masses.size > 1:
+            raise ValueError("[spring] takes one mass for all particles")
+        return spring(scene.spring.k, float(masses[0]), scene.spring.gamma)
+    if scene.gravity is not None:
+        from refimpl.stepping.forces.gravity import gravity
+
+        return gravity(state.masses, scene.dimension, scene.gravity.G, scene.gravity.softening)
+    from refimpl.stepping.forces.lennard_jones import Walls, lennard_jones
+
+    lj, box = scene.lennard_jones, scene.box
+    assert lj is not None
+    wall = None if box is None else box.wall
+    one_mass = bool((state.masses == state.masses[0]).all())
+    return lennard_jones(
+        number=scene.number,
+        dimension=scene.dimension,
+        lengths=None if state.lengths is None else tuple(state.lengths.tolist()),
+        periodic=tuple(boundary == "periodic" for boundary in scene.boundaries),
+        species=state.species,
+        epsilon=lj.epsilon,
+        sigma=lj.length,
+        length_form=lj.length_form,
+        cutoff=lj.cutoff,
+        truncation=lj.truncation,
+        mass=float(state.masses[0]) if one_mass else state.masses,
+        walls=None if wall is None else Walls(wall.epsilon, wall.sigma, wall.cutoff),
+    )

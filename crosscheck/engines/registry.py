@@ -1,0 +1,59 @@
+"""Engines by name: entry points of group `crosscheck.engines`, or a class in a file, `path.py:Class`."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from crosscheck.engines.base import Engine
+from crosscheck.errors import UsageError
+
+GROUP = "crosscheck.engines"
+#: The engines that come with the suite; any other is somebody's own, and is tried on every check.
+OWN = ("refimpl", "lammps", "ase", "rebound")
+
+
+def engine_names() -> list[str]:
+    """Names of the installed engines, the suite's own first."""
+    found = {point.name for point in entry_points(group=GROUP)}
+    return [name for name in OWN if name in found] + sorted(found - set(OWN))
+
+
+def engine_class(name: str) -> type[Engine]:
+    """The class of an installed engine or of `path.py:Class`; UsageError if there is none."""
+    if ".py:" in name:
+        return _from_file(name)
+    for point in entry_points(group=GROUP, name=name):
+        found: type[Engine] = point.load()
+        return found
+    raise UsageError(f"unknown engine '{name}'; known: {', '.join(engine_names())}; or give path.py:Class")
+
+
+def load_engine(name: str) -> Engine:
+    """An engine, ready to run."""
+    return engine_class(name)()
+
+
+def _from_file(name: str) -> type[Engine]:
+    file, _, class_name = name.rpartition(":")
+    path = Path(file).resolve()
+    if not path.is_file():
+        raise UsageError(f"engine '{name}': there is no file {file}")
+    spec = importlib.util.spec_from_file_location(f"crosscheck_engine_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise UsageError(f"engine '{name}': {file} cannot be imported ({type(error).__name__}: {error})") from None
+    found = getattr(module, class_name, None)
+    if not isinstance(found, type):
+        raise UsageError(f"engine '{name}': {file} has no class {class_name}")
+    for member in ("name", "schemes", "version", "supports", "run"):
+        if not hasattr(found, member):
+            raise UsageError(f"engine '{name}': class {class_name} lacks '{member}' (see docs/engines.md)")
+    return found

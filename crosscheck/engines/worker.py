@@ -1,0 +1,98 @@
+"""The engine's side of the pipe: `python -P -m crosscheck.engines.worker <engine> <read fd> <write fd>`.
+
+One request a line, JSON in, JSON out; arrays leave as an .npz file whose path is in the answer. The engine's own output
+goes to stdout and stderr, which the parent has pointed at a log.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import faulthandler
+import json
+import os
+import signal
+import sys
+import traceback
+from typing import Any
+
+import numpy as np
+
+from crosscheck.engines.base import Engine, Run
+from crosscheck.engines.registry import load_engine
+from crosscheck.errors import UsageError
+from crosscheck.scene import Method, Scene
+
+
+def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
+    """The answer to one request: `version`, `supports` or `run`."""
+    if request["call"] == "version":
+        return {"version": engine.version()}
+    scene = Scene.from_json(request["scene"])
+    method = Method.model_validate_json(request["method"])
+    if request["call"] == "supports":
+        return {"reason": engine.supports(scene, method)}
+    run = engine.run(scene, method)
+    _check(run, scene, method)
+    arrays = {f.name: getattr(run, f.name) for f in dataclasses.fields(run) if f.name not in ("diverged", "cost")}
+    np.savez(request["path"], **{name: array for name, array in arrays.items() if array is not None})
+    return {"diverged": bool(run.diverged), "cost": dataclasses.asdict(run.cost)}
+
+
+def _check(run: Run, scene: Scene, method: Method) -> None:
+    """Refuses a malformed answer here, where the engine's name is known, not in the analysis later."""
+    shape = (scene.number, scene.dimension)
+    samples = len(run.time)
+    steps, every = scene.steps(method.dt), scene.every(method.dt)
+    expected = steps // (every or max(steps, 1)) + 1
+    if samples != expected:
+        raise ValueError(f"run.time has {samples} samples, the scene asks for {expected}")
+    wanted: dict[str, tuple[int, ...]] = {"final_positions": shape, "final_velocities": shape}
+    if scene.output.trajectory:
+        wanted |= {"positions": (samples, *shape), "velocities": (samples, *shape)}
+    if scene.output.forces:
+        wanted["forces"] = shape
+    wanted |= dict.fromkeys(scene.output.observables, (samples,))
+    for name, expected_shape in wanted.items():
+        array = getattr(run, name)
+        if array is None or array.shape != expected_shape:
+            found = "None" if array is None else f"shape {array.shape}"
+            raise ValueError(f"run.{name} must have shape {expected_shape}, found {found}")
+
+
+def serve(engine_name: str, read_fd: int, write_fd: int) -> None:
+    """Answers requests until the pipe closes."""
+    engine: Engine | None = None
+    with os.fdopen(read_fd) as requests, os.fdopen(write_fd, "w") as answers:
+        for line in requests:
+            try:
+                engine = engine or load_engine(engine_name)
+                reply = json.dumps(answer(engine, json.loads(line)))
+            except UsageError as error:
+                reply = json.dumps({"usage": str(error)})
+            except Exception as error:
+                traceback.print_exc()
+                reason = _missing(engine, error)
+                reply = json.dumps(reason or {"error": f"{type(error).__name__}: {error}"})
+            answers.write(reply + "\n")
+            answers.flush()
+
+
+def _missing(engine: Engine | None, error: Exception) -> dict[str, str] | None:
+    """An engine is missing if it cannot be imported or cannot tell its version; any other failure is an error."""
+    if not isinstance(error, ImportError | OSError):
+        return None
+    if engine is not None:
+        try:
+            engine.version()
+        except (ImportError, OSError) as reason:
+            error = reason
+        else:
+            return None
+    return {"missing": f"{type(error).__name__}: {error}"}
+
+
+if __name__ == "__main__":
+    # a crash, and SIGUSR1 before a hung worker is ended, leave the place in the log
+    faulthandler.enable()
+    faulthandler.register(signal.SIGUSR1)
+    serve(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))

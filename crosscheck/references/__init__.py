@@ -1,0 +1,1 @@
+"""What is known: closed forms and published values, each with its source."""

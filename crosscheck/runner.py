@@ -1,0 +1,147 @@
+"""Runs checks on any `concurrent.futures` executor; those that time something run alone, after the others."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from crosscheck.checks import all_checks
+from crosscheck.checks.base import Check, Laboratory
+from crosscheck.engines.base import Claims
+from crosscheck.engines.pool import TIME_LIMIT, Pool
+from crosscheck.engines.registry import OWN, engine_class
+from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
+from crosscheck.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Case:
+    """One variant of one check on one engine: the unit of work, of the record and of what a crash costs."""
+
+    check: str
+    variant: str
+    engine: str
+    timing: bool
+
+    @property
+    def name(self) -> str:
+        return f"{self.check}/{self.variant}"
+
+
+def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
+    """The cases whose name, or whose check's name, matches a shell pattern, on the engines given.
+
+    The full tier contains the quick one. UsageError if nothing matches.
+    """
+    cases: list[Case] = []
+    claims: dict[str, dict[str, Claims]] = {engine: engine_class(engine).schemes for engine in engines}
+    for check in all_checks():
+        for engine in engines:
+            if engine in OWN and engine not in check.engines:
+                continue
+            for variant in check.variants(engine, claims[engine]):
+                case = Case(check.name, variant, engine, check.timing)
+                named = any(fnmatchcase(case.name, p) or fnmatchcase(check.name, p) for p in patterns)
+                if (not patterns or named) and (tier == "full" or check.tier == "quick"):
+                    cases.append(case)
+    if not cases:
+        raise UsageError(
+            f"no check of tier '{tier}' on {', '.join(engines)} matches {' '.join(patterns) or '*'}; "
+            "see `crosscheck list`"
+        )
+    return cases
+
+
+def find(name: str) -> Check:
+    """The check of this name; UsageError with the near ones otherwise."""
+    import difflib
+
+    checks = {check.name: check for check in all_checks()}
+    for candidate in (name, name.rpartition("/")[0]):
+        if candidate in checks:
+            return checks[candidate]
+    near = difflib.get_close_matches(name, checks, 3, 0.3)
+    raise UsageError(f"unknown check '{name}'; near: {', '.join(near) or 'none'}; see `crosscheck list`")
+
+
+_local = threading.local()
+_pools: list[Pool] = []
+
+
+def _pool(overlay: Path | None, time_limit: float) -> Pool:
+    """This thread's (or process's) pool of workers."""
+    key = (overlay, time_limit)
+    if getattr(_local, "key", None) != key:
+        if hasattr(_local, "pool"):
+            _local.pool.close()
+        _local.pool, _local.key = Pool(overlay, time_limit), key
+        _pools.append(_local.pool)
+    pool: Pool = _local.pool
+    return pool
+
+
+def close_pools() -> None:
+    """Ends the workers of all threads of this process."""
+    while _pools:
+        _pools.pop().close()
+    _local.__dict__.clear()
+
+
+def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> Verdict:
+    """The verdict of one case; whatever goes wrong becomes a verdict too."""
+    check = find(case.check)
+    pool = _pool(overlay, time_limit)
+    laboratory = Laboratory(case.engine, engine_class(case.engine).schemes, pool, case.name, seed)
+    started = time.perf_counter()
+    judgement, message = None, ""
+    try:
+        judgement = check.judge(laboratory, case.variant)
+        outcome = judgement.outcome
+    except (EngineMissing, Unsupported) as reason:
+        outcome, message = "skip", str(reason)
+    except EngineError as error:
+        outcome, message = "error", str(error)
+    except Exception as error:
+        outcome, message = "error", f"the check failed: {type(error).__name__}: {error}"
+    cost = {"seconds": time.perf_counter() - started, **asdict(laboratory.cost)}
+    return Verdict(case.name, case.engine, outcome, judgement, message, cost)
+
+
+def run(
+    cases: list[Case],
+    seed: int,
+    jobs: int,
+    on_start: Callable[[Case], None] = lambda case: None,
+    executor: Executor | None = None,
+) -> Iterator[Verdict]:
+    """Yields verdicts as they come: parallel cases first, then those that time something, one after the other.
+
+    executor: any `concurrent.futures.Executor`; by default `jobs` threads, whose work is done in worker processes.
+    """
+
+    def work(case: Case) -> Verdict:
+        on_start(case)
+        return judge(case, seed)
+
+    own = executor is None
+    pool = executor or ThreadPoolExecutor(jobs)
+    futures: list[Future[Verdict]] = []
+    try:
+        parallel = [case for case in cases if not case.timing]
+        futures = [pool.submit(work, c) if own else pool.submit(judge, c, seed) for c in parallel]
+        for future in as_completed(futures):
+            yield future.result()
+        for case in cases:
+            if case.timing:
+                yield pool.submit(work, case).result() if own else pool.submit(judge, case, seed).result()
+    finally:
+        for future in futures:
+            future.cancel()
+        if own:
+            pool.shutdown(wait=True, cancel_futures=True)
+            close_pools()

@@ -1,0 +1,72 @@
+"""Uncertainties of correlated data, and fitted slopes.
+
+Literature: H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91, 461 (1989) (blocking); U. Wolff, Comput. Phys. Commun.
+156, 143 (2004) (automatic windowing of the autocorrelation sum).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+class Mean(NamedTuple):
+    """value +- error, from `independent` effectively independent samples."""
+
+    value: float
+    error: float
+    independent: float
+
+
+def correlated_mean(series: ArrayLike, window: float = 6.0) -> Mean:
+    """Mean of a stationary series and its standard error, sqrt(2 tau var/n).
+
+    tau = 1/2 + sum_k rho(k), summed to the first k >= window * tau (Wolff; Madras and Sokal). The variance is corrected
+    for the correlation, var (1 + 2 tau/n). ValueError for fewer than 4 values or values that are not finite.
+    """
+    x = np.asarray(series, dtype=np.float64)
+    n = x.size
+    if n < 4 or not np.isfinite(x).all():
+        raise ValueError(f"a mean with an error needs at least 4 finite values, got {n}")
+    centred = x - x.mean()
+    variance = float(np.mean(centred**2))
+    if variance == 0.0:
+        return Mean(float(x.mean()), 0.0, float(n))
+    size = 1 << (2 * n - 1).bit_length()
+    spectrum = np.fft.rfft(centred, size)
+    rho = np.fft.irfft(spectrum * spectrum.conj(), size)[:n] / (np.arange(n, 0, -1) * variance)
+    tau = 0.5 + np.cumsum(rho[1:])
+    lags = np.arange(1, n)
+    stop = np.flatnonzero(lags >= window * tau)
+    tau_sum = max(0.5, float(tau[stop[0]] if stop.size else tau[n // 2 - 1]))
+    error = np.sqrt(2 * tau_sum * variance / n * (1 + 2 * tau_sum / n))
+    return Mean(float(x.mean()), float(error), n / (2 * tau_sum))
+
+
+class Slope(NamedTuple):
+    """Fitted d ln y/d ln x, its standard error from the scatter of the local slopes, and the points used."""
+
+    value: float
+    error: float
+    used: int
+
+
+def fitted_order(steps: ArrayLike, errors: ArrayLike, floor: float) -> Slope:
+    """Order of convergence: slope of ln(error) against ln(step) in the asymptotic window.
+
+    Points at or below `floor` (rounding) are left out. The window is the three smallest remaining steps: the fit
+    there is straightest. The error is the largest departure of a local slope from the fit. ValueError if fewer than 3
+    points remain.
+    """
+    x, y = np.asarray(steps, dtype=np.float64), np.asarray(errors, dtype=np.float64)
+    good = np.isfinite(y) & (y > floor)
+    x, y = x[good], y[good]
+    if x.size < 3:
+        raise ValueError(f"an order needs 3 points above the rounding floor {floor:g}, found {x.size}")
+    window = np.argsort(x)[:3]
+    lx, ly = np.log(x[window]), np.log(y[window])
+    slope = float(np.polyfit(lx, ly, 1)[0])
+    local = np.diff(ly) / np.diff(lx)
+    return Slope(slope, float(np.abs(local - slope).max()), 3)
