@@ -10,7 +10,7 @@ import json
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, TypeAlias, get_args
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import tomli_w
@@ -54,6 +54,10 @@ class Box(Part):
             raise ValueError("give exactly one of lengths and density")
         if ("wall" in (self.boundaries or ())) != (self.wall is not None):
             raise ValueError('a boundary "wall" and the table [box.wall] go together: give both or neither')
+        if {"wall", "open"} <= set(self.boundaries or ()):
+            raise ValueError(
+                'boundaries "wall" and "open" cannot be mixed in one box: make the open axis long and walled'
+            )
         return self
 
 
@@ -174,6 +178,8 @@ class Scene(Part):
             raise ValueError(f"give exactly one of [spring], [lennard_jones], [gravity]; found {found}")
         if self.lennard_jones is not None and self.dimension == 1:
             raise ValueError("[lennard_jones] needs dimension 2 or 3")
+        if self.gravity is None and isinstance(self.masses, tuple) and 0.0 in self.masses:
+            raise ValueError("masses: a particle without mass moves with [gravity] only; give it one")
         if self.box is not None:
             for key in ("lengths", "boundaries"):
                 value = getattr(self.box, key)
@@ -301,6 +307,8 @@ class Scene(Part):
 def whole_steps(span: float, dt: float, name: str) -> int:
     """span/dt as an integer; UsageError with the nearest dt that divides it, if none does to 1e-9."""
     ratio = span / dt
+    if ratio > 2**53:
+        raise UsageError(f"{name} = {span:g} is too many steps of method.dt = {dt:g} to be counted: take a larger dt")
     steps = round(ratio)
     if abs(ratio - steps) > 1e-9 * max(1.0, ratio):
         mend = span / max(1, steps)
@@ -381,6 +389,8 @@ def _apocentre(initial: Kepler, masses: Floats, gravity: Gravity | None, dimensi
     if gravity is None or dimension == 1:
         raise UsageError("initial.kind = 'kepler' needs [gravity] and dimension 2 or 3")
     a, e, total = initial.semi_major_axis, initial.eccentricity, masses.sum()
+    if total == 0:
+        raise UsageError("masses: one of the two bodies of initial.kind = 'kepler' needs a mass")
     r, v = np.zeros((2, dimension)), np.zeros((2, dimension))
     share = np.array([-masses[1], masses[0]]) / total
     r[:, 0] = share * a * (1 + e)
@@ -411,23 +421,55 @@ def _read_configuration(path: Path, dimension: int) -> Explicit:
 # -- errors in words -------------------------------------------------------------------------------
 
 
+_PARTS: dict[str, type[Part]] = {
+    "box": Box,
+    "wall": Wall,
+    "spring": Spring,
+    "gravity": Gravity,
+    "lennard_jones": LennardJones,
+    "output": Output,
+    "method": Method,
+}
+_KINDS: dict[str, type[Part]] = {"explicit": Explicit, "lattice": Lattice, "kepler": Kepler, "file": File}
+#: How pydantic names the forms of "one value, or one per particle" in the place of an error.
+_FORMS = ("constrained-float", "tuple[constrained-float, ...]")
+
+
 def _explain(error: ValidationError, where: str) -> str:
-    lines = []
-    for problem in error.errors():
-        kinds = set(get_args(get_args(Initial)[0]))
-        location = [p for p in problem["loc"] if p not in ("explicit", "lattice", "kepler", "file")]
-        path = ".".join(str(p) for p in location).removesuffix(".float").removesuffix(".tuple[float,...]")
-        if problem["type"] == "extra_forbidden":
-            known = {name for part in (Scene, Box, Wall, Spring, Gravity, LennardJones, Output, Method, *kinds)
-                     for name in part.model_fields}  # fmt: skip
-            near = difflib.get_close_matches(str(location[-1]), known, 1)
-            hint = f"; did you mean '{near[0]}'?" if near else "; remove it"
-            lines.append(f"{where}: unknown key '{path}'{hint}")
-        elif problem["type"] == "missing":
-            lines.append(f"{where}: '{path}' is missing: add it")
+    """A line for every mistake: the path of the key, what is wrong with it, and the mend."""
+    lines: list[str] = []
+    meant: set[str] = set()
+    # unknown keys first: a key that is misspelt is not missing as well
+    for problem in sorted(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden"):
+        place, kind, found = problem["loc"], problem["type"], problem["input"]
+        # of "one value, or one per particle", the form that was not given has nothing to say
+        if place[-1:] == _FORMS[1:] or (place[-1:] == _FORMS[:1] and isinstance(found, list)):
+            continue
+        keys = [str(part) for part in place if part not in (*_KINDS, *_FORMS)]
+        path = ".".join(keys)
+        if kind == "extra_forbidden":
+            near, hint = _hint(str(place[-1]), str(place[-2]) if len(place) > 1 else "")
+            meant.add(".".join([*keys[:-1], near]))
+            lines.append(f"unknown key '{path}'; {hint}")
+        elif kind == "missing":
+            if path not in meant:
+                lines.append(f"'{path}' is missing: add it")
+        elif kind == "union_tag_not_found":
+            lines.append(f"'{path}.kind' is missing: add it, one of {', '.join(_KINDS)}")
+        elif kind == "union_tag_invalid":
+            lines.append(f"{path}.kind: Input should be one of {', '.join(_KINDS)} (found {problem['ctx']['tag']!r})")
         else:
             message = problem["msg"].removeprefix("Value error, ")
-            shown = problem["input"]
-            value = f" (found {shown!r})" if isinstance(shown, str | int | float | bool) else ""
-            lines.append(f"{where}: {path + ': ' if path else ''}{message}{value}")
-    return "\n".join(dict.fromkeys(lines))
+            value = f" (found {found!r})" if path and isinstance(found, str | int | float | bool) else ""
+            lines.append(f"{path + ': ' if path else ''}{message}{value}")
+    return "\n".join(f"{where}: {line}" for line in dict.fromkeys(lines))
+
+
+def _hint(key: str, table: str) -> tuple[str, str]:
+    """The key that was meant, if there is one near in this table, and what to do."""
+    part = {**_PARTS, **_KINDS}.get(table, Scene)
+    near = difflib.get_close_matches(key, part.model_fields, 1)
+    if near:
+        return near[0], f"did you mean '{near[0]}'?"
+    owners = [f"[{name}]" for name, other in _PARTS.items() if key in other.model_fields]
+    return "", f"it belongs in {' or '.join(owners)}" if owners else "remove it"

@@ -138,7 +138,7 @@ class Worker:
     def _how_it_ended(self) -> str:
         assert self._process is not None
         try:
-            code = self._process.wait(timeout=10)
+            code = self._process.wait(timeout=1)
         except subprocess.TimeoutExpired:
             return "closed its pipe"
         return f"was killed by signal {-code}" if code < 0 else f"ended with exit status {code}"

