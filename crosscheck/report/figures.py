@@ -1,0 +1,428 @@
+"""Figures of a report: inline SVG that takes the colours of the page, the same bytes for the same record.
+
+Colour and dashes tell the curve (a scheme), the marker tells the engine: filled for the first, open and larger for
+the others, which stay visible around it where engines agree. The legend is HTML, so that it stays readable on a
+phone. Points that are not finite, or that do not fit on the axis, are drawn at its edge as a cross.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from crosscheck.engines.registry import OWN
+from crosscheck.record import Line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
+#: Colours of the curves on a light and on a dark page: each stands out from its background by 3:1 or more, and from its
+#: neighbours in lightness too, for those who see fewer hues. The template turns them into CSS variables --c0, --c1, ...
+PALETTE: tuple[tuple[str, str], ...] = (
+    ("#0067a8", "#58b4f0"),
+    ("#d04f00", "#ff9a52"),
+    ("#00846a", "#35cba4"),
+    ("#a8327f", "#f29fd0"),
+    ("#8f6c00", "#efd04f"),
+    ("#3a2a8c", "#a99cff"),
+)
+#: Dash patterns in units of the line width; a curve takes the next one when the colours are used up.
+DASHES: tuple[tuple[float, ...], ...] = ((), (5.0, 2.0), (1.2, 1.4))
+THEORY_DASHES: tuple[tuple[float, ...], ...] = ((5.0, 3.0), (1.5, 2.0), (8.0, 2.0, 1.5, 2.0))
+#: matplotlib's marker -> its outline in the legend, about the origin.
+MARKERS: dict[str, str] = {
+    "o": '<circle r="3.4"/>',
+    "s": '<rect x="-3" y="-3" width="6" height="6"/>',
+    "^": '<path d="M0-3.8 3.6 3-3.6 3z"/>',
+    "D": '<path d="M0-4.2 3.4 0 0 4.2-3.4 0z"/>',
+    "v": '<path d="M0 3.8 3.6-3-3.6-3z"/>',
+    "p": '<path d="M0-3.8 3.6-1.2 2.2 3.1-2.2 3.1-3.6-1.2z"/>',
+    "<": '<path d="M-3.8 0 3 3.6 3-3.6z"/>',
+    ">": '<path d="M3.8 0-3 3.6-3-3.6z"/>',
+}
+# stand-ins for the colours of the page, which matplotlib does not know
+_INK, _GRID = "#010203", "#070809"
+_WIDTH, _HEIGHT, _TALL = 440, 300, 370
+#: More curves than this get the tall axes.
+_CROWD = 8
+#: A logarithmic axis shows at most so many decades; what lies outside counts as off the scale.
+_DECADES = 24
+_MARKED = 60
+_LARGEST = 1e150
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One series of one verdict. name: what the legend calls it, the same for all engines."""
+
+    name: str
+    engine: str
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    error: tuple[float, ...] | None
+    theory: bool
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One set of axes with the curves of all verdicts whose figures have this title."""
+
+    title: str
+    x_label: str
+    y_label: str
+    x_scale: str
+    y_scale: str
+    curves: tuple[Curve, ...]
+
+    @property
+    def engines(self) -> list[str]:
+        return sorted({curve.engine for curve in self.curves if not curve.theory}, key=engine_order)
+
+
+@dataclass(frozen=True)
+class Key:
+    """One entry of a legend: its text, the class of its curves in the SVG, and its sample as SVG."""
+
+    text: str
+    group: str
+    sample: str
+
+
+@dataclass(frozen=True)
+class Drawing:
+    title: str
+    svg: str
+    curves: list[Key]
+    engines: list[Key]
+    failed: int
+
+
+def engine_order(engine: str) -> tuple[int, str]:
+    """The suite's own engines first."""
+    return (OWN.index(engine) if engine in OWN else len(OWN)), engine
+
+
+# -- from the record to panels -------------------------------------------------------------------------------
+
+
+def panels(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Panel]:
+    """The figures of the verdicts of one check, merged by title, in the order of their first appearance."""
+    merged: dict[str, tuple[dict[str, Any], list[tuple[Line, dict[str, Any]]]]] = {}
+    for line in sorted(lines, key=lambda line: (line["check"], engine_order(line["engine"]))):
+        for figure in line.get("figures") or ():
+            _, series = merged.setdefault(figure["title"], (figure, []))
+            series += [(line, one) for one in figure["series"]]
+    return [
+        Panel(
+            figure["title"],
+            figure["x_label"],
+            figure["y_label"],
+            figure["x_scale"],
+            figure["y_scale"],
+            _curves(series, variant),
+        )
+        for figure, series in merged.values()
+    ]
+
+
+def _curves(series: list[tuple[Line, dict[str, Any]]], variant: Callable[[Line], str]) -> tuple[Curve, ...]:
+    """Curves with names that tell them apart: the label, with the variant where that is not enough; theory once."""
+    uses = Counter((line["engine"], one["label"]) for line, one in series if not one["theory"])
+    ambiguous = {label for (_, label), number in uses.items() if number > 1}
+    curves: list[Curve] = []
+    for line, one in series:
+        label, theory = one["label"], bool(one["theory"])
+        known = [curve for curve in curves if curve.theory and curve.name == label] if theory else []
+        x, y, error = _numbers(one["x"]), _numbers(one["y"]), one.get("error")
+        if any(_same(curve.x, x) and _same(curve.y, y) for curve in known):
+            continue
+        if label in ambiguous or known:
+            label = _qualified(label, variant(line))
+        curves.append(Curve(label, line["engine"], x, y, None if error is None else _numbers(error), theory))
+    return tuple(curves)
+
+
+def _qualified(label: str, variant: str) -> str:
+    """The label with its variant, once: a word of the one that is the other is not said again."""
+    if variant in re.split(r"[\s,:]+", label):
+        return label
+    return variant if label in re.split(r"[\s,:]+", variant) else f"{label}, {variant}"
+
+
+def _numbers(values: Sequence[float | None]) -> tuple[float, ...]:
+    """The record writes null for what is not finite; so does here NaN for what no axis can hold."""
+    return tuple(math.nan if v is None or not abs(v) < _LARGEST else float(v) for v in values)
+
+
+def _same(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
+    return len(a) == len(b) and all(p == q or (p != p and q != q) for p, q in zip(a, b, strict=True))
+
+
+def curve_numbers(group: Iterable[Panel]) -> dict[str, int]:
+    """Name -> number, which fixes colour and dashes: the same scheme looks the same in all panels of a group."""
+    names = {curve.name for panel in group for curve in panel.curves if not curve.theory}
+    return {name: number for number, name in enumerate(sorted(names))}
+
+
+def _markers(group: Iterable[str]) -> dict[str, str]:
+    others = sorted(set(group) - set(OWN))
+    return {engine: list(MARKERS)[i % len(MARKERS)] for i, engine in enumerate((*OWN, *others))}
+
+
+# -- from a panel to SVG -------------------------------------------------------------------------------------
+
+
+def draw(panel: Panel, numbers: dict[str, int], prefix: str) -> Drawing:
+    """The panel as SVG. numbers: of `curve_numbers`. prefix: makes its ids unique in the page."""
+    import matplotlib
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    style: Any = {
+        "svg.fonttype": "none",
+        "svg.hashsalt": "crosscheck",
+        "font.family": "DejaVu Sans",
+        "font.size": 11,
+        "axes.edgecolor": _INK,
+        "axes.labelcolor": _INK,
+        "axes.linewidth": 0.8,
+        "text.color": _INK,
+        "xtick.color": _INK,
+        "ytick.color": _INK,
+        "path.simplify_threshold": 0.3,
+    }
+    markers = _markers(panel.engines)
+    height = _TALL if len(panel.curves) > _CROWD else _HEIGHT
+    with matplotlib.rc_context(style):
+        figure = Figure(figsize=(_WIDTH / 72, height / 72), layout="constrained", facecolor="none")
+        FigureCanvasSVG(figure)
+        axes = figure.add_subplot(facecolor="none")
+        _prepare(axes, panel)
+        failed = _plot(axes, panel, numbers, markers)
+        file = io.StringIO()
+        nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+        figure.savefig(file, format="svg", metadata=nothing)
+    curves, engines = _legend(panel, numbers, markers)
+    return Drawing(panel.title, _inline(file.getvalue(), panel.title, height, prefix), curves, engines, failed)
+
+
+def _prepare(axes: Axes, panel: Panel) -> None:
+    """Labels, scales, limits that hold every finite point, ticks."""
+    import textwrap
+
+    axes.set_xlabel(textwrap.fill(panel.x_label, 56))
+    axes.set_ylabel(textwrap.fill(panel.y_label, 38))
+    axes.grid(True, color=_GRID, linewidth=0.5)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    x = [value for curve in panel.curves for value in curve.x]
+    y = [value for curve in panel.curves for value in curve.y]
+    for curve in panel.curves:
+        if curve.error is not None:
+            y += [v + s * e for v, e in zip(curve.y, curve.error, strict=True) for s in (-1, 1)]
+    axes.set_xscale(panel.x_scale)
+    axes.set_yscale(panel.y_scale)
+    axes.set_xlim(_ticks_and_limits(axes.xaxis, panel.x_scale, x))
+    axes.set_ylim(_ticks_and_limits(axes.yaxis, panel.y_scale, y))
+
+
+def _ticks_and_limits(axis: Axis, scale: str, values: list[float]) -> tuple[float, float]:
+    """Sets the ticks and returns the limits, with a margin of 4 %."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+
+    if scale == "log":
+        logs = sorted(math.log10(value) for value in values if value > 0)
+        low, high = (logs[0], logs[-1]) if logs else (0.0, 1.0)
+        if high - low > _DECADES:
+            # the bulk of the points decides what is seen, not the one that ran away
+            low = max(low, logs[len(logs) // 2] - _DECADES / 2)
+            high = min(high, low + _DECADES)
+        margin = 0.04 * (high - low) or 0.3
+        decades = high - low
+        axis.set_major_locator(LogLocator(subs=(1.0,) if decades > 2 else (1.0, 2.0, 5.0), numticks=7))
+        axis.set_minor_locator(LogLocator(subs="all", numticks=100) if decades < 4 else NullLocator())
+        axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
+        axis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
+        return 10 ** (low - margin), 10 ** (high + margin)
+    finite = [value for value in values if math.isfinite(value)] or [0.0, 1.0]
+    low, high = min(finite), max(finite)
+    margin = 0.04 * (high - low) or 0.5 * abs(high) or 0.5
+    axis.set_major_locator(MaxNLocator(6))
+    return low - margin, high + margin
+
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _power(value: float) -> str:
+    """A tick of a logarithmic axis, as plain text: 0.01, 10⁻⁵, 2×10⁶."""
+    mantissa, _, exponent = f"{value:.2e}".partition("e")
+    if -2 <= int(exponent) <= 3:
+        return f"{value:g}"
+    head = mantissa.rstrip("0").rstrip(".")
+    power = "10" + str(int(exponent)).translate(_SUPERSCRIPTS)
+    return power if head == "1" else f"{head}×{power}"
+
+
+def _plot(axes: Axes, panel: Panel, numbers: dict[str, int], markers: dict[str, str]) -> int:
+    """Draws the curves; returns how many points are drawn at the edge."""
+    several = len(panel.engines) > 1
+    theories = [curve for curve in panel.curves if curve.theory]
+    failed = 0
+    for curve in panel.curves:
+        if curve.theory:
+            place = theories.index(curve)
+            dashes = THEORY_DASHES[place % len(THEORY_DASHES)]
+            axes.plot(curve.x, curve.y, color=_INK, linewidth=0.9, dashes=dashes, gid=f"t{place}", zorder=2.2)
+            continue
+        number = numbers[curve.name]
+        colour = PALETTE[number % len(PALETTE)][0]
+        cycle = number // len(PALETTE)
+        gid = f"k{number}-e{list(markers).index(curve.engine)}"
+        inside = [_inside(axes, x, y) for x, y in zip(curve.x, curve.y, strict=True)]
+        x = [value if good else math.nan for value, good in zip(curve.x, inside, strict=True)]
+        y = [value if good else math.nan for value, good in zip(curve.y, inside, strict=True)]
+        many = len(x) > _MARKED
+        joined = many or curve.error is None or not theories
+        axes.plot(
+            x,
+            y,
+            color=colour,
+            linewidth=1.4,
+            linestyle=(0, DASHES[cycle % len(DASHES)]) if joined else "none",
+            marker=markers[curve.engine] if several or not many else "none",
+            markevery=len(x) // 12 if many else None,
+            markersize=4.2 if curve.engine == panel.engines[0] else 6.5,
+            markerfacecolor=colour if curve.engine == panel.engines[0] else "none",
+            markeredgewidth=1.1,
+            gid=gid,
+        )
+        if curve.error is not None:
+            bars = axes.errorbar(x, y, curve.error, fmt="none", ecolor=colour, elinewidth=0.9)
+            for bar in bars.lines[2]:
+                bar.set_gid(gid)
+        edge = [_edge(axes, px, py) for px, py, good in zip(curve.x, curve.y, inside, strict=True) if not good]
+        if edge:
+            across, up = zip(*edge, strict=True)
+            axes.plot(
+                across, up, "x", color=colour, markersize=6.5, markeredgewidth=1.6, gid=gid, clip_on=False,
+                transform=axes.transAxes,
+            )  # fmt: skip
+            failed += len(edge)
+    return failed
+
+
+def _inside(axes: Axes, x: float, y: float) -> bool:
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    return left <= x <= right and bottom <= y <= top
+
+
+def _edge(axes: Axes, x: float, y: float) -> tuple[float, float]:
+    """Where a point that cannot be drawn is marked, in fractions of the axes: not finite counts as too large."""
+    return _fraction(axes.get_xlim(), axes.get_xscale(), x), _fraction(axes.get_ylim(), axes.get_yscale(), y)
+
+
+def _fraction(limits: tuple[float, float], scale: str, value: float) -> float:
+    low, high = limits
+    if math.isnan(value) or value >= high:
+        return 1.0
+    if value <= low:
+        return 0.0
+    if scale == "log":
+        return math.log(value / low) / math.log(high / low)
+    return (value - low) / (high - low)
+
+
+# -- from matplotlib's SVG to the page's ---------------------------------------------------------------------
+
+
+def _inline(svg: str, title: str, height: int, prefix: str) -> str:
+    """Strips what an inline picture does not need, rounds coordinates, and swaps in the colours of the page."""
+    from markupsafe import escape
+
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", svg, flags=re.DOTALL)
+    svg = re.sub(
+        r"<svg[^>]*>",
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" role="img" '
+        f'aria-label="{escape(title)}">',
+        svg,
+        count=1,
+    )
+    svg = svg.replace("xlink:href", "href")
+    used = set(re.findall(r"url\(#([^)]+)\)|href=\"#([^\"]+)\"", svg))
+    needed = {name for pair in used for name in pair if name}
+
+    def identity(match: re.Match[str]) -> str:
+        name = match[1]
+        if name in needed:
+            return f' id="{prefix}-{name}"'
+        if re.fullmatch(r"k\d+-e\d+|t\d+", name):
+            return f' class="s {name.replace("-", " ")}"'
+        return ""
+
+    svg = re.sub(r' id="([^"]*)"', identity, svg)
+    svg = re.sub(r'url\(#|href="#', lambda m: f"{m[0]}{prefix}-", svg)
+    svg = re.sub(r' (?:d|x|y|transform|width|height)="[^"]*"', lambda m: _rounded(m[0]), svg)
+    svg = re.sub(r"font: ([\d.]+px) 'DejaVu Sans'[^;\"]*", r"font-size: \1", svg)
+    svg = svg.replace(_INK, "currentColor").replace(_GRID, "var(--grid)")
+    for number, (light, _) in enumerate(PALETTE):
+        svg = svg.replace(light, f"var(--c{number})")
+    svg = re.sub(r"<defs>\s*<style[^>]*>.*?</style>\s*</defs>", "", svg, flags=re.DOTALL)
+    return re.sub(r"\s*\n\s*", "\n", svg).strip()
+
+
+def _rounded(text: str) -> str:
+    """Its numbers to a tenth of a unit: a seventh of a pixel on the page."""
+    return re.sub(r"-?\d+\.\d+", lambda m: f"{round(float(m[0]), 1) + 0.0:.1f}".removesuffix(".0"), text)
+
+
+# -- legend --------------------------------------------------------------------------------------------------
+
+
+def _legend(panel: Panel, numbers: dict[str, int], markers: dict[str, str]) -> tuple[list[Key], list[Key]]:
+    """Entries for the curves and, where there are several, for the engines."""
+    several = len(panel.engines) > 1
+    curves: list[Key] = []
+    first = {curve.name: curve for curve in reversed(panel.curves) if not curve.theory}
+    for name in sorted(first, key=numbers.__getitem__):
+        number = numbers[name]
+        cycle = number // len(PALETTE) % len(DASHES)
+        colour = f"var(--c{number % len(PALETTE)})"
+        line = _stroke(colour, 1.8, DASHES[cycle])
+        if not several and len(first[name].x) <= _MARKED:
+            line += _marker(markers[first[name].engine], colour, colour)
+        curves.append(Key(name, f"k{number}", _sample(line)))
+    theories = [curve for curve in panel.curves if curve.theory]
+    for place, curve in enumerate(theories):
+        line = _stroke("currentColor", 1.1, THEORY_DASHES[place % len(THEORY_DASHES)])
+        curves.append(Key(curve.name, f"t{place}", _sample(line)))
+    engines = [
+        Key(
+            engine,
+            f"e{place}",
+            _sample(_marker(marker, "currentColor", "currentColor" if engine == panel.engines[0] else "none"), 12),
+        )
+        for place, (engine, marker) in enumerate(markers.items())
+        if engine in panel.engines
+    ]
+    return curves, engines if several else []
+
+
+def _sample(content: str, width: int = 30) -> str:
+    return f'<svg viewBox="{-width // 2} -6 {width} 12" width="{width}" height="12" aria-hidden="true">{content}</svg>'
+
+
+def _stroke(colour: str, width: float, dashes: tuple[float, ...]) -> str:
+    pattern = f' stroke-dasharray="{" ".join(f"{d * width:.1f}" for d in dashes)}"' if dashes else ""
+    return f'<path d="M-15 0H15" style="stroke:{colour}" stroke-width="{width}"{pattern}/>'
+
+
+def _marker(marker: str, edge: str, face: str) -> str:
+    return f'<g style="fill:{face};stroke:{edge}" stroke-width="1.2">{MARKERS[marker]}</g>'

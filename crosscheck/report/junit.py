@@ -1,0 +1,63 @@
+"""JUnit XML: one test case a verdict, for the machines that show test results."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from pathlib import Path
+
+from crosscheck.record import Line
+from crosscheck.report.numbers import deviation, expected, measured
+
+#: Characters that XML 1.0 cannot hold, escaped or not.
+_FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def write_junit(lines: Iterable[Line], path: Path) -> None:
+    """Writes one test suite; a failed verdict is a failure, an inconclusive one is skipped, with its reason."""
+    cases = [_case(line) for line in lines]
+    found = [child.tag for case in cases for child in case]
+    totals: dict[str, str] = {
+        "name": "particle-crosscheck",
+        "tests": str(len(cases)),
+        "failures": str(found.count("failure")),
+        "errors": str(found.count("error")),
+        "skipped": str(found.count("skipped")),
+        "time": f"{sum(float(case.attrib['time']) for case in cases):.3f}",
+    }
+    root = ET.Element("testsuites", totals)
+    ET.SubElement(root, "testsuite", totals).extend(cases)
+    ET.indent(root)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
+
+
+def _case(line: Line) -> ET.Element:
+    group, _, variant = line["check"].rpartition("/")
+    case = ET.Element(
+        "testcase",
+        classname=_clean(group.replace("/", ".") or "crosscheck"),
+        name=_clean(f"{variant}[{line['engine']}]"),
+        time=f"{line['cost'].get('seconds') or 0.0:.3f}",
+    )
+    outcome, message = line["outcome"], _clean(line["message"])
+    if outcome == "fail":
+        failure = ET.SubElement(case, "failure", message=_clean(_comparison(line)), type=line["criterion"]["kind"])
+        failure.text = _clean("\n".join(filter(None, (line["criterion"]["why"], line["note"], line["message"]))))
+    elif outcome == "error":
+        first, _, rest = message.partition("\n")
+        ET.SubElement(case, "error", message=first).text = rest
+    elif outcome == "skip":
+        ET.SubElement(case, "skipped", message=message)
+    elif outcome == "inconclusive":
+        ET.SubElement(case, "skipped", message=_clean(f"inconclusive: {_comparison(line)}"))
+    return case
+
+
+def _comparison(line: Line) -> str:
+    return f"{line['quantity']}: measured {measured(line)}, expected {expected(line)}, off by {deviation(line)}"
+
+
+def _clean(text: str) -> str:
+    return _FORBIDDEN.sub("\ufffd", text)

@@ -1,0 +1,124 @@
+"""Numbers as physicists write them: 1.2345(67), 3.2e-14."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from crosscheck.record import Line
+
+#: Shown for a number that a skip or an error has not produced.
+ABSENT = "–"
+
+
+def _tidy(text: str) -> str:
+    """1e-05 -> 1e-5, 1e+20 -> 1e20, and a true minus sign nowhere: numbers stay fit to be copied."""
+    return re.sub(r"e([+-])0*(\d+)", lambda m: "e" + m[1].replace("+", "") + m[2], text)
+
+
+def plain(value: float | None, digits: int = 4) -> str:
+    """`digits` significant digits, whole numbers in full."""
+    if value is None:
+        return ABSENT
+    if not math.isfinite(value):
+        return "not finite"
+    if value == round(value) and abs(value) < 1e6:
+        return str(round(value))
+    return _tidy(f"{value:.{digits}g}")
+
+
+def to_tolerance(value: float | None, tolerance: float | None) -> str:
+    """As many digits as it takes to see a tenth of the tolerance, at least three."""
+    if value is None or not tolerance or not math.isfinite(tolerance) or not value or not math.isfinite(value):
+        return plain(value)
+    digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(abs(tolerance))) + 2
+    return plain(value, min(max(digits, 3), 16))
+
+
+def with_uncertainty(value: float | None, uncertainty: float | None) -> str:
+    """Value and standard uncertainty, of which two digits, in brackets: 1.2345(67), 1.20(35)e-14."""
+    if value is None or not uncertainty or not math.isfinite(uncertainty) or not math.isfinite(value):
+        return plain(value)
+    # the uncertainty rounded first: 0.0996 is 10e-2, one place coarser than 9.96e-2
+    mantissa, _, exponent = f"{uncertainty:.1e}".partition("e")
+    last = int(exponent) - 1
+    bracket = mantissa.replace(".", "")
+    first = max(int(exponent), math.floor(math.log10(abs(value))) if value else int(exponent))
+    if -4 <= first <= 5 and last <= 0:
+        return f"{value:.{-last}f}({bracket})"
+    scaled = value / 10.0**first if abs(first) < 300 else float(f"{value:.17e}".partition("e")[0])
+    return f"{scaled:.{first - last}f}({bracket})e{first}"
+
+
+def seconds(value: float | None) -> str:
+    """A duration: 12 ms, 3.4 s, 5 min 06 s, 1 h 02 min."""
+    if value is None:
+        return ABSENT
+    if value < 0.1:
+        return f"{value * 1e3:.2g} ms"
+    if value < 100:
+        return f"{value:.2g} s" if value < 10 else f"{value:.0f} s"
+    minutes, rest = divmod(round(value), 60)
+    if minutes < 60:
+        return f"{minutes} min {rest:02d} s"
+    return f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def count(value: float | None) -> str:
+    """A number of evaluations: 1200, 3.4e6."""
+    if not value:
+        return ABSENT
+    return f"{value:.0f}" if value < 1e5 else _tidy(f"{value:.2e}")
+
+
+# -- the numbers of a verdict --------------------------------------------------------------------------------
+
+
+def measured(line: Line) -> str:
+    """What was measured, with its uncertainty, or with the digits that its tolerance asks for."""
+    if line["criterion"] is None:
+        return ABSENT
+    if line["measured"] is None:
+        return "not finite"
+    if line["uncertainty"]:
+        return with_uncertainty(line["measured"], line["uncertainty"])
+    return to_tolerance(line["measured"], line["criterion"]["tolerance"])
+
+
+def expected(line: Line) -> str:
+    """The reference value with its uncertainty, or the limit of a bound with its sense."""
+    criterion, value = line["criterion"], line["expected"]
+    if criterion is None:
+        return ABSENT
+    if criterion["kind"] in ("bound", "expected_failure"):
+        return f"{'≥' if _from_below(line) else '≤'} {plain(value)}"
+    if line["expected_uncertainty"]:
+        return with_uncertainty(value, line["expected_uncertainty"])
+    return to_tolerance(value, criterion["tolerance"])
+
+
+def _from_below(line: Line) -> bool:
+    """Whether the limit is the smallest value allowed: then the deviation is limit/measured, not measured/limit."""
+    value, limit, ratio = line["measured"], line["expected"], line["deviation"]
+    if line["criterion"]["kind"] == "expected_failure":
+        return True
+    if value is None or ratio is None or not limit:
+        return value == 0.0 and line["outcome"] == "fail"
+    return abs(ratio * value - limit) < abs(value / limit - ratio) * abs(limit)
+
+
+def deviation(line: Line) -> str:
+    """In sigma or in tolerances."""
+    if line["criterion"] is None:
+        return ABSENT
+    if line["deviation"] is None:
+        return "∞"
+    return f"{plain(line['deviation'], 3)} {'σ' if line['deviation_unit'] == 'sigma' else 'tol.'}"
+
+
+def sensitivity(line: Line) -> str:
+    """The smallest deviation that would have been red, relative where there is something to relate it to."""
+    if line["criterion"] is None or line["sensitivity"] is None:
+        return ABSENT
+    relative = line["expected"] and line["criterion"]["kind"] not in ("bound", "expected_failure")
+    return f"{plain(line['sensitivity'], 2)}{'' if relative else ' abs.'}"

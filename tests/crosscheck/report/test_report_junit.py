@@ -1,0 +1,50 @@
+"""JUnit XML of a synthetic record."""
+
+import xml.etree.ElementTree as ET
+from collections import Counter
+
+import pytest
+import synthetic
+
+from crosscheck.record import read
+from crosscheck.report.junit import write_junit
+
+
+@pytest.fixture
+def lines(tmp_path):
+    return read(synthetic.write(tmp_path))
+
+
+@pytest.fixture
+def suite(lines, tmp_path):
+    path = tmp_path / "new" / "junit.xml"
+    write_junit(lines, path)
+    (suite,) = ET.parse(path).getroot()
+    return suite
+
+
+def test_counts(lines, suite):
+    outcomes = Counter(line["outcome"] for line in lines)
+    assert int(suite.get("tests")) == len(suite.findall("testcase")) == len(lines)
+    assert int(suite.get("failures")) == len(suite.findall("testcase/failure")) == outcomes["fail"]
+    assert int(suite.get("errors")) == len(suite.findall("testcase/error")) == outcomes["error"]
+    skipped = outcomes["skip"] + outcomes["inconclusive"]
+    assert int(suite.get("skipped")) == len(suite.findall("testcase/skipped")) == skipped
+    assert float(suite.get("time")) == pytest.approx(sum(line["cost"]["seconds"] for line in lines), abs=0.05)
+
+
+def test_names(suite):
+    cases = {(case.get("classname"), case.get("name")) for case in suite}
+    assert len(cases) == len(suite)
+    assert ("stepping.oscillator-damped", "velocity_verlet[lammps]") in cases
+
+
+def test_messages(suite):
+    failure = suite.find("testcase[@name='rk4[refimpl]']/failure")
+    assert failure.get("message") == "order of the position error: measured 5.010(12), expected 4, off by 4.04 tol."
+    error = suite.find("testcase/error")
+    assert error.get("message") == "refimpl was killed by signal 11"
+    assert "Traceback" in error.text
+    reasons = [skipped.get("message") for skipped in suite.iter("skipped")]
+    assert sum(reason.startswith("inconclusive: pressure") for reason in reasons) == 2
+    assert "Mine: no lattice gases" in reasons
