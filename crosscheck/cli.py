@@ -116,9 +116,6 @@ def main() -> None:
     except EngineError as error:
         print(f"crosscheck: {error}", file=sys.stderr)
         sys.exit(1)
-    except KeyboardInterrupt:
-        print("crosscheck: interrupted; what was finished is in the record, `--resume` goes on", file=sys.stderr)
-        sys.exit(130)
 
 
 if __name__ == "__main__":

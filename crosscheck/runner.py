@@ -41,7 +41,7 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
     cases: list[Case] = []
     claims: dict[str, dict[str, Claims]] = {engine: engine_class(engine).schemes for engine in engines}
     for check in all_checks():
-        for engine in engines:
+        for engine in claims:
             if engine in OWN and engine not in check.engines:
                 continue
             for variant in check.variants(engine, claims[engine]):
@@ -62,7 +62,9 @@ def find(name: str) -> Check:
     import difflib
 
     checks = {check.name: check for check in all_checks()}
-    for candidate in (name, name.rpartition("/")[0]):
+    parts = name.split("/")
+    for length in range(len(parts), 0, -1):  # the name of a case will do: a variant may have slashes too
+        candidate = "/".join(parts[:length])
         if candidate in checks:
             return checks[candidate]
     near = difflib.get_close_matches(name, checks, 3, 0.3)

@@ -410,9 +410,9 @@ def _read_configuration(path: Path, dimension: int) -> Explicit:
             atoms = ase.io.read(path)
             assert not isinstance(atoms, list)
             positions, velocities = atoms.get_positions(), atoms.get_velocities()
+        positions, velocities = positions[:, :dimension], velocities[:, :dimension]
     except Exception as error:
         raise UsageError(f"initial.path = {path}: cannot be read as a configuration ({error})") from None
-    positions, velocities = positions[:, :dimension], velocities[:, :dimension]
     if not (np.isfinite(positions).all() and np.isfinite(velocities).all()):
         raise UsageError(f"initial.path = {path}: holds values that are not finite")
     return explicit(positions, velocities)

@@ -30,10 +30,10 @@ def correlated_mean(series: ArrayLike, window: float = 6.0) -> Mean:
     n = x.size
     if n < 4 or not np.isfinite(x).all():
         raise ValueError(f"a mean with an error needs at least 4 finite values, got {n}")
+    if x.min() == x.max():  # exactly: the mean, and with it the variance, may be rounded
+        return Mean(float(x[0]), 0.0, float(n))
     centred = x - x.mean()
     variance = float(np.mean(centred**2))
-    if variance == 0.0:
-        return Mean(float(x.mean()), 0.0, float(n))
     size = 1 << (2 * n - 1).bit_length()
     spectrum = np.fft.rfft(centred, size)
     rho = np.fft.irfft(spectrum * spectrum.conj(), size)[:n] / (np.arange(n, 0, -1) * variance)
@@ -57,12 +57,15 @@ def fitted_order(steps: ArrayLike, errors: ArrayLike, floor: float) -> Slope:
     """Order of convergence: slope of ln(error) against ln(step) in the asymptotic window.
 
     Points at or below `floor` (rounding) are left out. The window is the three smallest remaining steps: the fit
-    there is straightest. The error is the largest departure of a local slope from the fit. ValueError if fewer than 3
-    points remain.
+    there is straightest. The error is the largest departure of a local slope from the fit. Where fewer than 3 points
+    remain: no number if some have diverged, else ValueError.
     """
     x, y = np.asarray(steps, dtype=np.float64), np.asarray(errors, dtype=np.float64)
     good = np.isfinite(y) & (y > floor)
+    diverged = not np.isfinite(y).all()
     x, y = x[good], y[good]
+    if x.size < 3 and diverged:
+        return Slope(np.nan, np.inf, x.size)
     if x.size < 3:
         raise ValueError(f"an order needs 3 points above the rounding floor {floor:g}, found {x.size}")
     window = np.argsort(x)[:3]

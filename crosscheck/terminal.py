@@ -183,6 +183,9 @@ def run(
         for verdict in runner.run(cases, seed, jobs or len(os.sched_getaffinity(0)), display.started):
             record.append(verdict)
             display.finished(verdict)
+    except KeyboardInterrupt:
+        print(f"crosscheck: interrupted; the record has what was finished: --resume {directory}", file=sys.stderr)
+        return 130
     finally:
         display.close()
     lines = read(directory)
@@ -193,7 +196,9 @@ def run(
         write_junit(lines, junit)
     counts = Counter(line["outcome"] for line in lines)
     summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in _COLOURS if counts[outcome])
-    console.print(f"{summary} in {time.perf_counter() - started:.0f} s; report: {report_path}", highlight=False)
+    console.print(
+        f"{summary} in {time.perf_counter() - started:.0f} s; report: {report_path}", highlight=False, soft_wrap=True
+    )
     return 1 if counts["fail"] or counts["error"] else 0
 
 
@@ -224,11 +229,11 @@ def _print_table(console: Console, lines: list[Line]) -> None:
     console.print(table)
     reasons = Counter(line["message"] for line in lines if line["outcome"] == "skip")
     for reason, count in reasons.items():
-        console.print(f"skipped {count}: {reason}", style="dim", highlight=False, markup=False)
+        console.print(f"skipped {count}: {reason}", style="dim", highlight=False, markup=False, soft_wrap=True)
     for line in lines:
         if line["outcome"] in ("fail", "error"):
             text = f"{line['check']} [{line['engine']}]: {line['message'] or line['note'] or line['quantity']}"
-            console.print(text, style=_COLOURS[line["outcome"]], highlight=False, markup=False)
+            console.print(text, style=_COLOURS[line["outcome"]], highlight=False, markup=False, soft_wrap=True)
 
 
 def report(directory: Path) -> None:

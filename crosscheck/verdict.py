@@ -101,6 +101,8 @@ _JUDGEMENT_KEYS = tuple(key for key in Judgement.__dataclass_fields__ if key != 
 
 
 def _finite(value: Any) -> Any:
+    if hasattr(value, "tolist"):  # numpy's numbers and arrays
+        value = value.tolist()
     if isinstance(value, dict):
         return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -108,6 +110,11 @@ def _finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def _not_nan(deviation: float) -> float:
+    """Infinite where it is not a number: nothing is further off."""
+    return math.inf if math.isnan(deviation) else deviation
 
 
 def _relative(tolerance: float, expected: float) -> float:
@@ -129,7 +136,7 @@ def within(
     """|measured - expected| <= tolerance; not a number fails. ValueError unless the tolerance is positive."""
     if not tolerance > 0:
         raise ValueError(f"the tolerance of '{quantity}' must be positive, got {tolerance}")
-    deviation = abs(measured - expected) / tolerance
+    deviation = _not_nan(abs(measured - expected) / tolerance)
     return Judgement(
         "pass" if deviation <= 1 else "fail",
         quantity,
@@ -169,11 +176,13 @@ def bounded(
 ) -> Judgement:
     """measured <= limit (or >= with `at_least` or `expected_failure`); not a number fails.
 
-    The deviation is measured/limit, or its inverse: red above 1.
+    The deviation is measured/limit, or its inverse: red above 1. Where one of them is not positive, 0 or infinite.
     """
     lower = at_least or expected_failure
     good = measured >= limit if lower else measured <= limit
-    ratio = (limit / measured if measured else math.inf) if lower else measured / limit
+    ratio = 0.0 if good else math.inf
+    if measured > 0 and limit > 0:
+        ratio = limit / measured if lower else measured / limit
     return Judgement(
         "pass" if good else "fail",
         quantity,
@@ -205,19 +214,23 @@ def statistical(
 ) -> Judgement:
     """measured +- u against expected +- u, by Student's t with `samples` - 1 degrees of freedom.
 
-    samples: number of independent samples behind the smaller of the two data sets. needed: the relative deviation that
-    the check is meant to see; if it could not have seen it, or there are fewer than 10 samples, the outcome is
-    "inconclusive" unless it is red already.
+    samples: number of independent samples behind the smaller of the two data sets; fewer than 10 do not give an error
+    bar to trust: "inconclusive". needed: the relative deviation that the check is meant to see; a green outcome that
+    could not have seen it is "inconclusive". Not a number fails.
     """
     from scipy.stats import t
 
     u = math.hypot(uncertainty, expected_uncertainty)
     quantile = float(t.isf(FALSE_ALARM / 2, max(samples - 1, 1)))
     tolerance = quantile * u
-    deviation = abs(measured - expected) / u if u > 0 else math.inf
+    known = math.isfinite(u) and math.isfinite(measured - expected)
+    deviation = math.inf
+    if known and (u > 0 or measured == expected):
+        deviation = abs(measured - expected) / u if u > 0 else 0.0
     sensitivity = _relative(tolerance, expected)
     outcome: Outcome = "pass" if deviation <= quantile else "fail"
-    if samples < 10 or (outcome == "pass" and needed is not None and sensitivity > needed):
+    blunt = needed is not None and sensitivity > needed
+    if (known and samples < 10) or (outcome == "pass" and blunt):
         outcome = "inconclusive"
     reason = f"{why}; red beyond {quantile:.2f} sigma, false-alarm rate {FALSE_ALARM:g}"
     return Judgement(

@@ -1,7 +1,14 @@
-"""Kernels compiled by tests are kept apart for each state of the sources: numba's own cache can be stale."""
+"""Kernels compiled by tests are kept apart for each state of the sources; hypothesis repeats its examples."""
 
 import os
 
+from hypothesis import settings
+
 from crosscheck.engines.cache import kernel_cache
 
+# numba's own cache can be stale
 os.environ["NUMBA_CACHE_DIR"] = str(kernel_cache())
+
+# no limit on the time of one example: the machine may be shared, and the first may compile
+settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
+settings.load_profile("repeatable")

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, worst
 from crosscheck.engines.base import Claims, Run
 from crosscheck.faults import Fault
 from crosscheck.references import oscillator
@@ -94,21 +95,6 @@ def _judge_order(laboratory: Laboratory, scheme: str, regime: str) -> Judgement:
             )
         )
     return worst(judgements, f"error at omega0 dt = {OMEGA0 * steps[0]:.2g}: {errors[0, 0]:.2g} r0")
-
-
-#: Orders are whole numbers: a quarter keeps the neighbouring orders three tolerances away.
-ORDER_TOLERANCE = 0.25
-WHY_ORDER = "orders are whole numbers; a quarter keeps the neighbouring ones three tolerances away"
-
-
-def worst(judgements: list[Judgement], note: str) -> Judgement:
-    """The judgement that deviates most, with the figures of all and a note that gives every measured value."""
-    from dataclasses import replace
-
-    chosen = max(judgements, key=lambda judgement: judgement.deviation or 0.0)
-    values = "; ".join(f"{j.quantity} {j.measured:.4g} (expected {j.expected:g})" for j in judgements)
-    figures = tuple(figure for judgement in judgements for figure in judgement.figures)
-    return replace(chosen, note=f"{values}; {note}", figures=figures)
 
 
 def _judge_exact(laboratory: Laboratory, scheme: str) -> Judgement:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -30,3 +33,20 @@ def kernel_cache(directory: Path | None = None) -> Path:
         cache = Path(tempfile.gettempdir()) / f"particle-crosscheck-{os.getuid()}" / digest.hexdigest()[:16]
         cache.mkdir(parents=True, exist_ok=True)
     return cache
+
+
+@contextmanager
+def one_at_a_time(what: str) -> Iterator[None]:
+    """Lets one worker at a time compile `what`: the others wait, and then load it from the cache.
+
+    The lock is a file in numba's cache directory; without one, nothing is shared and nothing is locked.
+    """
+    directory = os.environ.get("NUMBA_CACHE_DIR")
+    if directory is None:
+        yield
+        return
+    Path(directory).mkdir(parents=True, exist_ok=True)
+    name = hashlib.sha256(what.encode()).hexdigest()[:16]
+    with (Path(directory) / f"{name}.lock").open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)  # released when the file closes, or its process ends
+        yield

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
+from crosscheck.engines.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
 from refimpl.stepping.schemes import SCHEMES
 
@@ -27,6 +28,8 @@ class RefimplEngine:
         return None if method.scheme in self.schemes else f"no scheme '{method.scheme}'"
 
     def run(self, scene: Scene, method: Method) -> Run:
+        from numba import typeof
+
         from refimpl.stepping.integrate import acceleration, compile_steps, integrate
 
         state = scene.initial_state()
@@ -36,15 +39,19 @@ class RefimplEngine:
         output = scene.output
         cost = Cost()
 
-        started = time.perf_counter()
-        options: dict[str, Any] = {"trajectory": output.trajectory, "thermo": bool(output.observables)}
-        integrate(method.scheme, force, r, v, method.dt, 0, **options)  # compiles the forces
+        started, thermo = time.perf_counter(), bool(output.observables)
+        forces_type = str(typeof(force))
+        with one_at_a_time(forces_type):
+            integrate(method.scheme, force, r, v, method.dt, 0, thermo=thermo)  # compiles the forces
         if steps:
-            compile_steps(method.scheme, force, r, v, method.dt, **options)
+            with one_at_a_time(f"{type(SCHEMES[method.scheme].record).__name__} {thermo} {forces_type}"):
+                compile_steps(method.scheme, force, r, v, method.dt, thermo=thermo)
         cost.compile = time.perf_counter() - started
 
         with timed(cost):
-            done = integrate(method.scheme, force, r, v, method.dt, steps, every=every, **options)
+            done = integrate(
+                method.scheme, force, r, v, method.dt, steps, every=every, trajectory=output.trajectory, thermo=thermo
+            )
         cost.steps, cost.evaluations = done.steps, done.evaluations
 
         def rows(flat: Floats) -> Floats:

@@ -45,37 +45,47 @@ def _advance(scheme, force, r, v, memory, dt, first, last, every, positions, vel
         outcome = status(force)
         if outcome != GOOD:
             return r, v, memory, number - 1, outcome
-        r, v, memory = r_new, v_new, memory_new
         if number % every == 0:
             sample = number // every
-            if positions is not None:
-                positions[sample] = r
-            if velocities is not None:
-                velocities[sample] = v
+            # empty, not None, where they are not asked for: one compiled loop for both, and a test a sample
+            if len(positions) > 0:
+                positions[sample] = r_new
+                velocities[sample] = v_new
             if thermo is not None:
-                thermo[sample, 0] = kinetic_energy(force, v)
-                thermo[sample, 1] = potential_energy(force, r)
-                thermo[sample, 2] = virial(force, r)
+                thermo[sample, 0] = kinetic_energy(force, v_new)
+                thermo[sample, 1] = potential_energy(force, r_new)
+                thermo[sample, 2] = virial(force, r_new)
+                # not every scheme has had the force at r_new before
+                if status(force) == NEEDS_CAPACITY:
+                    return r, v, memory, number - 1, NEEDS_CAPACITY
+        r, v, memory = r_new, v_new, memory_new
     return r, v, memory, last, GOOD
 
 
-@njit(cache=True, error_model="numpy")
-def _thermo(force, r, v):  # type: ignore[no-untyped-def]
+def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Any]:
+    """f(r, v)/m, and the force, enlarged if it had to be."""
+    while True:
+        a = accelerate(force, r, v)
+        if status(force) != NEEDS_CAPACITY:
+            return a, force
+        force = enlarge(force)
+
+
+def thermo_now(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[float, float, float]:
+    """Kinetic energy, potential energy and virial of one state."""
     return kinetic_energy(force, v), potential_energy(force, r), virial(force, r)
 
 
-@njit(cache=True, error_model="numpy")
-def _accelerate(force, r, v):  # type: ignore[no-untyped-def]
-    return accelerate(force, r, v), status(force)
+def _enlarged(force: Any, r: np.ndarray, v: np.ndarray, outcome: int) -> Any | None:
+    """The force with room for what it failed at from (r, v); None if it diverged.
 
-
-def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Any]:
-    """One compiled evaluation of f(r, v)/m, and the force, enlarged if it had to be."""
-    while True:
-        a, outcome = _accelerate(force, r, v)
-        if outcome != NEEDS_CAPACITY:
-            return a, force
-        force = enlarge(force)
+    Of two evaluations in one start or step only the last one's status is left, and it may have met the NaN of the
+    first. Every first one is at (r, v): it is asked again.
+    """
+    if outcome == DIVERGED:
+        accelerate(force, r, v)
+        outcome = status(force)
+    return enlarge(force) if outcome == NEEDS_CAPACITY else None
 
 
 @dataclass
@@ -96,6 +106,14 @@ class Integration:
     thermo: np.ndarray | None
     evaluations: int
     force: Any
+
+
+def compile_steps(scheme: str, force: Any, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
+    """Compiles, or loads from the cache, the loop that `integrate` runs with these arguments; takes no step."""
+    record = SCHEMES[scheme].record
+    memory = record.start(force, r, v, dt)
+    frames = np.empty((0, r.size))
+    _advance(record, force, r, v, memory, dt, 0, 0, 1, frames, frames, np.empty((1, 3)) if thermo else None)
 
 
 def integrate(
@@ -126,31 +144,35 @@ def integrate(
     v = np.ascontiguousarray(v, dtype=np.float64).copy()
     every = every or max(steps, 1)
     samples = steps // every + 1
-    positions = np.full((samples, r.size), np.nan) if trajectory else None
-    velocities = np.full((samples, r.size), np.nan) if trajectory else None
+    positions = np.full((samples if trajectory else 0, r.size), np.nan)
+    velocities = positions.copy()
     energies = np.full((samples, 3), np.nan) if thermo else None
 
     while True:
         # taken once: plain Python, which calls the same compiled forces and costs no compilation of its own
         memory = record.start(force, r, v, dt)
         outcome = status(force)
-        if outcome != NEEDS_CAPACITY:
+        larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
+        if larger is None:
             break
-        force = enlarge(force)
-    if positions is not None and velocities is not None:
+        force = larger
+    if trajectory:
         positions[0], velocities[0] = r, v
     if energies is not None:
-        energies[0] = _thermo(force, r, v)
+        energies[0] = thermo_now(force, r, v)
+        while status(force) == NEEDS_CAPACITY:
+            force = enlarge(force)
+            energies[0] = thermo_now(force, r, v)
 
     done = 0
-    while outcome != DIVERGED:
+    while outcome != DIVERGED and done < steps:
         r, v, memory, done, outcome = _advance(
             record, force, r, v, memory, dt, done, steps, every, positions, velocities, energies
         )
-        if outcome == GOOD:
-            break
-        if outcome == NEEDS_CAPACITY:
-            force = enlarge(force)
+        larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
+        if larger is not None:
+            force, outcome = larger, GOOD
     diverged = outcome == DIVERGED or not bool(np.isfinite(r).all() and np.isfinite(v).all())
     evaluations = table.start_evaluations + done * table.evaluations
-    return Integration(r, v, done, diverged, positions, velocities, energies, evaluations, force)
+    frames = (positions, velocities) if trajectory else (None, None)
+    return Integration(r, v, done, diverged, *frames, energies, evaluations, force)

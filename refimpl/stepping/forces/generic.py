@@ -22,7 +22,7 @@ Implementation = TypeVar("Implementation", bound=Callable[..., Any])
 #: `status` values of a force, read by the step loop after every evaluation.
 GOOD = 0
 NEEDS_CAPACITY = 1  # a work array is too small: `enlarge` the force and repeat the step
-DIVERGED = 2  # a coordinate is not finite, or moved further than the box in one step
+DIVERGED = 2  # a coordinate is not finite, absurdly far off, or on the wrong side of a wall
 
 _answers: dict[Callable[..., Any], dict[type, Callable[..., Any]]] = {}
 _defaults: dict[Callable[..., Any], Callable[..., Any]] = {}

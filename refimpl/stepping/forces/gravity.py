@@ -82,9 +82,7 @@ def gravity(mass: np.ndarray, dimension: int, G: float = 1.0, softening: float |
 
 
 @njit(cache=True, error_model="numpy")
-def plain_acceleration(
-    r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softening: float | None
-) -> np.ndarray:
+def plain_acceleration(r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softening: float | None) -> np.ndarray:
     """a_i = -G sum_j m_j (r_i - r_j)/(r_ij^2 + s^2)^(3/2), shape (N*d,), each pair once.
 
     r: shape (N*d,). mass: shape (N,). z: 2 in space, None in the plane. softening: s, or None.
@@ -127,9 +125,7 @@ def _require_coordinates(r: np.ndarray, mass: np.ndarray, z: int | None) -> None
     """ValueError unless `r` has d coordinates per body."""
     d = 2 if z is None else 3
     if r.size != d * mass.size:
-        raise ValueError(
-            "r and v must be flat, with as many coordinates per body as the force has dimensions"
-        )
+        raise ValueError("r and v must be flat, with as many coordinates per body as the force has dimensions")
 
 
 @register_jitable

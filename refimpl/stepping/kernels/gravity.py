@@ -25,9 +25,7 @@ from numba import njit
 _REORDER = {"reassoc", "contract", "nsz"}
 
 _PAGE = 512  # doubles in 4096 bytes
-_SHIFT = (
-    72  # doubles: 9 cache lines, so that the first seven rows of a work array start far apart modulo a page
-)
+_SHIFT = 72  # doubles: 9 cache lines, so that the first seven rows of a work array start far apart modulo a page
 
 
 @njit(cache=True, error_model="numpy")
@@ -38,9 +36,7 @@ def _work_rows(count: int, n: int) -> np.ndarray:
 
 
 @njit(cache=True, error_model="numpy", fastmath=_REORDER)
-def acceleration(
-    r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softening: float | None
-) -> np.ndarray:
+def acceleration(r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softening: float | None) -> np.ndarray:
     """a_i = -G sum_j m_j (r_i - r_j)/(r_ij^2 + s^2)^(3/2), shape (N*d,); see `plain_acceleration`."""
     n = mass.size
     d = 2 if z is None else 3

@@ -109,9 +109,7 @@ def test_agreement_at_every_remainder_of_the_vector_length(dimension: int, softe
 def test_plain_kernel_is_the_same_uncompiled() -> None:
     case = lattice_case(5, 3, 0.1)
     arguments = (case.r, case.mass, case.z, case.G, case.softening)
-    np.testing.assert_allclose(
-        plain_acceleration.py_func(*arguments), plain_acceleration(*arguments), rtol=1e-14
-    )
+    np.testing.assert_allclose(plain_acceleration.py_func(*arguments), plain_acceleration(*arguments), rtol=1e-14)
 
 
 @settings(deadline=None)
@@ -188,9 +186,7 @@ def test_newtons_shell_theorem() -> None:
     shell = np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=1)
     probes = np.array([[0.3, -0.2, 0.4], [1.0, 2.0, -2.0]])
     mass = np.append(np.full(n, 1 / n), [0.0, 0.0])
-    a = accelerate(gravity(mass, 3), np.concatenate([shell, probes]).ravel(), np.zeros(3 * n + 6)).reshape(
-        -1, 3
-    )
+    a = accelerate(gravity(mass, 3), np.concatenate([shell, probes]).ravel(), np.zeros(3 * n + 6)).reshape(-1, 3)
     np.testing.assert_allclose(a[n], 0.0, atol=1e-4)
     np.testing.assert_allclose(a[n + 1], -probes[1] / 27, atol=1e-4)
 

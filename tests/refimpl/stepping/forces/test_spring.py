@@ -34,9 +34,7 @@ def _every_answer(force, r, v):  # type: ignore[no-untyped-def]
 
 @settings(deadline=None)
 @given(positive, positive, st.none() | positive, coordinates)
-def test_acceleration_is_hookes_and_stokes_law(
-    k: float, mass: float, gamma: float | None, r: np.ndarray
-) -> None:
+def test_acceleration_is_hookes_and_stokes_law(k: float, mass: float, gamma: float | None, r: np.ndarray) -> None:
     v = r[::-1].copy()
     expected = [-(k * x + (gamma or 0.0) * u) / mass for x, u in zip(r, v, strict=True)]
     bound = 1e-14 * (k + (gamma or 0.0)) / mass * np.abs(r).max() + 1e-300  # or subnormal

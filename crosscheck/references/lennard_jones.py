@@ -1,0 +1,179 @@
+"""The Lennard-Jones fluid: direct pair sums in plain numpy, long-range corrections, and published equations of state.
+
+Reduced units: epsilon = sigma = m = k_B = 1 where nothing else is said. Literature: J. Kolafa and I. Nezbeda, Fluid
+Phase Equilib. 100, 1 (1994); M. Thol et al., J. Phys. Chem. Ref. Data 45, 023101 (2016), both as implemented in teqp
+(I. H. Bell et al., Ind. Eng. Chem. Res. 61, 6010 (2022)); M. P. Allen and D. J. Tildesley, Computer Simulation of
+Liquids (1987), section 2.8, for the corrections.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.scene import Floats, Scene
+
+
+class PairSum(NamedTuple):
+    """Forces (N, d), potential energy and virial of a configuration, with the scale of their rounding.
+
+    force_scale: (N,), sum over neighbours of |f_ij|. energy_scale, virial_scale: the same sums without signs.
+    sensitivity: the largest relative rounding of one pair term, from that of its distance.
+    """
+
+    forces: Floats
+    energy: float
+    virial: float
+    force_scale: Floats
+    energy_scale: float
+    virial_scale: float
+    sensitivity: float
+
+
+def pair_sum(scene: Scene) -> PairSum:
+    """The scene's initial configuration, pair by pair from scipy's k-d tree: no code in common with `refimpl`."""
+    from scipy.spatial import cKDTree
+
+    lj, state = scene.lennard_jones, scene.initial_state()
+    assert lj is not None
+    x, d = state.positions, scene.dimension
+    periodic = np.array([boundary == "periodic" for boundary in scene.boundaries])
+    # the tree takes a side of 0 for an axis that is not periodic
+    box = np.zeros(d) if state.lengths is None else np.where(periodic, state.lengths, 0.0)
+    wrapped = x.copy()
+    wrapped[:, periodic] %= box[periodic]
+    wrapped[:, periodic] *= wrapped[:, periodic] < box[periodic]
+    pairs = cKDTree(wrapped, boxsize=box).query_pairs(lj.cutoff, output_type="ndarray")
+    i, j = pairs.T
+    difference = x[i] - x[j]
+    if state.lengths is not None:
+        shift = np.where(periodic, np.round(difference / state.lengths), 0.0)
+        difference = difference - shift * state.lengths
+    r = np.sqrt((difference**2).sum(axis=1))
+
+    epsilons, sigmas = np.atleast_1d(lj.epsilon), np.atleast_1d(lj.length)
+    if lj.length_form == "r_m":
+        sigmas = sigmas / 2 ** (1 / 6)
+    kind: Floats = np.zeros(scene.number, dtype=int) if state.species is None else state.species
+    epsilon = np.sqrt(epsilons[kind[i]] * epsilons[kind[j]])
+    sigma = 0.5 * (sigmas[kind[i]] + sigmas[kind[j]])
+
+    energy, slope = _potential(r, epsilon, sigma)
+    at_cutoff, slope_at_cutoff = _potential(np.full_like(r, lj.cutoff), epsilon, sigma)
+    if lj.truncation == "shifted":
+        energy = energy - at_cutoff
+    if lj.truncation == "force_shifted":
+        energy = energy - at_cutoff - (r - lj.cutoff) * slope_at_cutoff
+        slope = slope - slope_at_cutoff
+    vectors = (-slope / r)[:, None] * difference
+    forces, scale = np.zeros_like(x), np.zeros(scene.number)
+    for axis in range(d):
+        forces[:, axis] = np.bincount(i, vectors[:, axis], scene.number) - np.bincount(
+            j, vectors[:, axis], scene.number
+        )
+    scale = np.bincount(i, abs(slope), scene.number) + np.bincount(j, abs(slope), scene.number)
+    total, wall_scale = float(energy.sum()), 0.0
+    if scene.box is not None and scene.box.wall is not None:
+        wall_energy, wall_forces = _walls(scene, x)
+        forces += wall_forces
+        scale += abs(wall_forces).sum(axis=1)
+        total, wall_scale = total + wall_energy, abs(wall_energy)
+    largest = float(abs(x).max()) if state.lengths is None else float(max(abs(x).max(), state.lengths.max()))
+    return PairSum(
+        forces,
+        total,
+        float(-(slope * r).sum()),
+        scale,
+        float(abs(energy).sum()) + wall_scale,
+        float(abs(slope * r).sum()),
+        # f ~ r^-13, and a coordinate difference is rounded like the coordinates
+        14 * float(largest / r.min(initial=lj.cutoff)),
+    )
+
+
+def _potential(r: Floats, epsilon: Floats, sigma: Floats) -> tuple[Floats, Floats]:
+    """phi and d phi/dr."""
+    s6 = (sigma / r) ** 6
+    return 4 * epsilon * (s6 * s6 - s6), -24 * epsilon * (2 * s6 * s6 - s6) / r
+
+
+def _walls(scene: Scene, x: Floats) -> tuple[float, Floats]:
+    assert scene.box is not None
+    assert scene.box.wall is not None
+    wall, lengths = scene.box.wall, scene.lengths()
+    assert lengths is not None
+    energy, forces = 0.0, np.zeros_like(x)
+    epsilon, sigma = np.array(wall.epsilon), np.array(wall.sigma)
+    shift = _potential(np.array(wall.cutoff), epsilon, sigma)[0]
+    for axis, boundary in enumerate(scene.boundaries):
+        if boundary == "wall":
+            for sign, distance in ((1.0, x[:, axis]), (-1.0, lengths[axis] - x[:, axis])):
+                near = distance < wall.cutoff
+                value, slope = _potential(distance[near], epsilon, sigma)
+                energy += float((value - shift).sum())
+                forces[near, axis] -= sign * slope
+    return energy, forces
+
+
+class Tail(NamedTuple):
+    """Long-range corrections of a one-species fluid beyond the cutoff: energy a particle, and pressure."""
+
+    energy: float
+    pressure: float
+
+
+def tail(density: float, cutoff: float) -> Tail:
+    """Three dimensions, g(r) = 1 beyond the cutoff.
+
+    u = (8/3) pi rho (rc^-9/3 - rc^-3), p = (16/3) pi rho^2 ((2/3) rc^-9 - rc^-3).
+    """
+    r3, r9 = cutoff**-3, cutoff**-9
+    return Tail(8 / 3 * np.pi * density * (r9 / 3 - r3), 16 / 3 * np.pi * density**2 * (2 / 3 * r9 - r3))
+
+
+def open_cluster(positions: Floats, velocities: Floats, times: Floats) -> Floats:
+    """Positions (times, N, d) of untruncated Lennard-Jones particles of mass 1 in open space.
+
+    Dormand and Prince's method of order 8 (Hairer, Norsett and Wanner, 1993, section II.5), relative tolerance 1e-13.
+    """
+    from scipy.integrate import solve_ivp
+
+    shape = positions.shape
+
+    def derivative(_: float, state: Floats) -> Floats:
+        x, v = state.reshape(2, *shape)
+        apart = x[:, None, :] - x[None, :, :]
+        square = (apart**2).sum(axis=-1)
+        np.fill_diagonal(square, np.inf)
+        s6 = square**-3
+        a = ((48 * s6 * s6 - 24 * s6) / square)[:, :, None] * apart
+        return np.concatenate([v.ravel(), a.sum(axis=1).ravel()])
+
+    start = np.concatenate([positions.ravel(), velocities.ravel()])
+    done = solve_ivp(derivative, (0.0, times[-1]), start, "DOP853", times, rtol=1e-13, atol=1e-13)
+    return np.asarray(done.y[: positions.size].T.reshape(-1, *shape))
+
+
+class StatePoint(NamedTuple):
+    """Residual internal energy a particle and pressure, each the mean of two equations of state, and half their gap."""
+
+    energy: float
+    energy_uncertainty: float
+    pressure: float
+    pressure_uncertainty: float
+
+
+def equation_of_state(temperature: float, density: float) -> StatePoint:
+    """Kolafa-Nezbeda (1994) and Thol et al. (2016); fluid states, 0.7 < T < 6, density < 1."""
+    import teqp
+
+    values = []
+    for kind in ("LJ126_KolafaNezbeda1994", "LJ126_TholJPCRD2016"):
+        model = teqp.make_model({"kind": kind, "model": {}})
+        z = np.array([1.0])
+        energy = temperature * model.get_Ar10(temperature, density, z)
+        pressure = density * temperature * (1 + model.get_Ar01(temperature, density, z))
+        values.append((energy, pressure))
+    (u1, p1), (u2, p2) = values
+    return StatePoint((u1 + u2) / 2, abs(u1 - u2) / 2, (p1 + p2) / 2, abs(p1 - p2) / 2)

@@ -1,0 +1,218 @@
+"""Explicit SIMD for numba kernels: a value type of `WIDTH` doubles, its arithmetic, loads, stores and selection.
+
+The type is LLVM's `<8 x double>`: one AVX-512 register, and whatever the processor has where that is narrower (two
+AVX registers, four SSE2 or NEON ones): slower there, never wrong. Multiplication and addition carry LLVM's `contract`
+flag, so that they fuse into one instruction with a single rounding where the processor has one; nothing else is
+relaxed, and division and square root are exact to half a unit in the last place.
+
+The loads and stores test no bounds and no negative index: the caller answers for both. Everything is a module-level
+function without compiled code of its own, so that kernels which use it are found in numba's cache by every process. (A
+change of this file does not make those caches stale: touch the kernels' files too.)
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import llvmlite.ir as ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
+
+#: Lanes of a vector.
+WIDTH = 8
+
+_DOUBLE = ir.DoubleType()
+_VECTOR = ir.VectorType(_DOUBLE, WIDTH)
+_MASK = ir.VectorType(ir.IntType(1), WIDTH)
+_INDEX = ir.IntType(32)
+
+
+class VectorType(types.Type):  # type: ignore[misc]
+    """`WIDTH` doubles."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"float64x{WIDTH}")
+
+
+class MaskType(types.Type):  # type: ignore[misc]
+    """`WIDTH` truth values."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"boolx{WIDTH}")
+
+
+vector = VectorType()
+mask = MaskType()
+
+
+@register_model(VectorType)
+class _VectorModel(models.PrimitiveModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, numba_type: Any) -> None:
+        super().__init__(manager, numba_type, _VECTOR)
+
+
+@register_model(MaskType)
+class _MaskModel(models.PrimitiveModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, numba_type: Any) -> None:
+        super().__init__(manager, numba_type, _MASK)
+
+
+def _register_operator(
+    operation: Callable[..., Any], operand: Any, result: Any, emit: Callable[[Any, Any, Any], Any]
+) -> None:
+    """Gives `operation(operand, operand) -> result` to numba, as the instruction that `emit(builder, a, b)` writes."""
+
+    @type_callable(operation)
+    def _type(context: Any) -> Any:
+        def typer(a: Any, b: Any) -> Any:
+            return result if a == operand and b == operand else None
+
+        return typer
+
+    @lower_builtin(operation, type(operand), type(operand))
+    def _lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return emit(builder, *arguments)
+
+
+_CONTRACT = ("contract",)
+_register_operator(operator.add, vector, vector, lambda build, a, b: build.fadd(a, b, flags=_CONTRACT))
+_register_operator(operator.sub, vector, vector, lambda build, a, b: build.fsub(a, b, flags=_CONTRACT))
+_register_operator(operator.mul, vector, vector, lambda build, a, b: build.fmul(a, b, flags=_CONTRACT))
+_register_operator(operator.truediv, vector, vector, lambda build, a, b: build.fdiv(a, b))
+_register_operator(operator.lt, vector, mask, lambda build, a, b: build.fcmp_ordered("<", a, b))
+_register_operator(operator.eq, vector, mask, lambda build, a, b: build.fcmp_ordered("==", a, b))
+
+
+def _intrinsic(function: Callable[..., Any]) -> Any:
+    """`numba.extending.intrinsic`, of which type checkers believe that it takes the typing context too."""
+    return intrinsic(function)
+
+
+def _splat(builder: Any, value: Any) -> Any:
+    first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, _INDEX(0))
+    lanes = ir.Constant(ir.VectorType(_INDEX, WIDTH), [0] * WIDTH)
+    return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), lanes)
+
+
+def _element(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Pointer to `array[i]`, the first two arguments."""
+    array = context.make_array(signature.args[0])(context, builder, value=arguments[0])
+    index = context.cast(builder, arguments[1], signature.args[1], types.intp)
+    return builder.gep(array.data, [index])
+
+
+def _is_doubles(array: Any) -> bool:
+    return isinstance(array, types.Array) and array.dtype == types.float64 and array.layout == "C"
+
+
+@_intrinsic
+def splat(context, x):  # type: ignore[no-untyped-def]
+    """The scalar `x` in every lane."""
+    if not isinstance(x, types.Float):
+        return None
+    return vector(types.float64), lambda context, builder, signature, arguments: _splat(builder, arguments[0])
+
+
+@_intrinsic
+def zeros(context):  # type: ignore[no-untyped-def]
+    """0.0 in every lane."""
+    return vector(), lambda context, builder, signature, arguments: ir.Constant(_VECTOR, [0.0] * WIDTH)
+
+
+@_intrinsic
+def lanes(context):  # type: ignore[no-untyped-def]
+    """The lane numbers 0.0, 1.0, ..."""
+    numbers = [float(lane) for lane in range(WIDTH)]
+    return vector(), lambda context, builder, signature, arguments: ir.Constant(_VECTOR, numbers)
+
+
+@_intrinsic
+def load(context, array, i):  # type: ignore[no-untyped-def]
+    """`array[i : i + WIDTH]` of a contiguous float64 array."""
+    if not (_is_doubles(array) and isinstance(i, types.Integer)):
+        return None
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = _element(context, builder, signature, arguments)
+        return builder.load(builder.bitcast(pointer, _VECTOR.as_pointer()), align=8)
+
+    return vector(array, i), generate
+
+
+@_intrinsic
+def load_splat(context, array, i):  # type: ignore[no-untyped-def]
+    """`array[i]` of a contiguous float64 array, in every lane."""
+    if not (_is_doubles(array) and isinstance(i, types.Integer)):
+        return None
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return _splat(builder, builder.load(_element(context, builder, signature, arguments)))
+
+    return vector(array, i), generate
+
+
+@_intrinsic
+def store(context, array, i, x):  # type: ignore[no-untyped-def]
+    """`array[i : i + WIDTH] = x` for a contiguous float64 array."""
+    if not (_is_doubles(array) and isinstance(i, types.Integer) and x == vector):
+        return None
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer = _element(context, builder, signature, arguments)
+        builder.store(arguments[2], builder.bitcast(pointer, _VECTOR.as_pointer()), align=8)
+        return context.get_dummy_value()
+
+    return types.void(array, i, x), generate
+
+
+@_intrinsic
+def where(context, condition, x, y):  # type: ignore[no-untyped-def]
+    """Lane by lane: `x` if `condition` else `y`."""
+    if not (condition == mask and x == vector and y == vector):
+        return None
+    return vector(condition, x, y), lambda context, builder, signature, arguments: builder.select(*arguments)
+
+
+@_intrinsic
+def any_lane(context, condition):  # type: ignore[no-untyped-def]
+    """True if any lane is."""
+    if condition != mask:
+        return None
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        bits = ir.IntType(WIDTH)
+        return builder.icmp_unsigned("!=", builder.bitcast(arguments[0], bits), bits(0))
+
+    return types.boolean(condition), generate
+
+
+@_intrinsic
+def square_root(context, x):  # type: ignore[no-untyped-def]
+    """Square root of every lane, correctly rounded."""
+    if x != vector:
+        return None
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        function_type = ir.FunctionType(_VECTOR, [_VECTOR])
+        function = cgutils.get_or_insert_function(builder.module, function_type, f"llvm.sqrt.v{WIDTH}f64")
+        return builder.call(function, arguments)
+
+    return vector(x), generate
+
+
+@_intrinsic
+def total(context, x):  # type: ignore[no-untyped-def]
+    """Sum of the lanes, always added in the same order: neighbours first."""
+    if x != vector:
+        return None
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        terms = [builder.extract_element(arguments[0], _INDEX(lane)) for lane in range(WIDTH)]
+        while len(terms) > 1:
+            terms = [builder.fadd(a, b) for a, b in zip(terms[::2], terms[1::2], strict=True)]
+        return terms[0]
+
+    return types.float64(x), generate

@@ -1,0 +1,589 @@
+"""Verlet lists of particles within a radius of each other, from cells and periodic images, rebuilt by displacement.
+
+A list of the pairs closer than cutoff + skin when it was made holds every pair closer than the cutoff until two
+particles together have moved by the skin (Verlet 1967). There are two such lists: a wide one, dear to build and seldom
+built, and a close one with a quarter of its skin, picked from the wide one, that the force kernels run through (dual
+lists, Pall et al. 2020). `update` renews each as soon as twice the largest displacement could exceed what it allows.
+
+Particles are sorted along a snaking path through columns of cells; the place of a particle in that order is its
+*slot*. Eight consecutive slots form a *tile*: a compact group that shares one list of neighbours, the union of the
+lists of its members, so that a force kernel takes one neighbour against eight particles at a time in the lanes of a
+vector (cluster lists, Pall & Hess 2013). The list is full: each pair is found from both of its sides, and no force is
+scattered. Images of the columns next to a periodic face follow the particles as further slots, at positions shifted by
+the box side, so that no kernel knows of boundary conditions. Cells cost O(N) (Yao, Wang, Liu & Cheng 2004).
+
+Literature: L. Verlet, Phys. Rev. 159, 98 (1967); M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids
+(1987), sections 5.3.1-5.3.2; Z. Yao, J.-S. Wang, G.-R. Liu and M. Cheng, Comput. Phys. Commun. 161, 27 (2004);
+S. Pall and B. Hess, Comput. Phys. Commun. 184, 2641 (2013); S. Pall et al., J. Chem. Phys. 153, 134110 (2020).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import ceil, prod
+from typing import Any, NamedTuple, TypeVar, cast
+
+import numpy as np
+from numba import njit
+from numba.extending import register_jitable
+
+from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
+from refimpl.stepping.kernels.simd import WIDTH, any_lane, load, load_splat, splat
+
+#: Indices of `Neighbours.state`.
+STATUS = 0  # of the last `update`
+VALID = 1  # 1 when the wide lists belong to the positions in `built`
+BUILDS = 2  # number of builds of the wide lists so far
+PRUNES = 3  # number of times that the close lists were picked from them
+BLOCKS = 4  # image blocks in use, or needed when there were too few
+SLOTS = 5  # slots in use with the images, or needed when there were too few
+ENTRIES = 6  # wide list entries in use, or those needed by the first tile that did not fit
+
+#: Permitted displacements shrink by this factor, and list radii grow by it: rounding must not hide a pair.
+SAFE = 1 - 1e-9
+#: Coordinates further than this many list radii from the origin count as diverged: nearer, rounding is safe by SAFE.
+FAR = 1e6
+#: Position of the slots that fill up the last tile: beyond any cutoff, and its square is still finite.
+NOWHERE = 1e150
+#: Skin of the close lists over that of the wide ones.
+CLOSE = 0.25
+#: Cells along the last axis per column width: fine, as they need not hold a tile.
+FINE = 7
+
+Kernel = TypeVar("Kernel", bound=Callable[..., Any])
+
+
+class Neighbours(NamedTuple):
+    """Verlet lists of N particles in d = 2 or 3 dimensions, and the arrays that they are made from.
+
+    sides: box side of each periodic axis, 0 for an open axis. cutoff, skin: the wide lists reach cutoff + skin.
+    order: (N,) particle in each slot. offset: (N*d,) what wrapping into the box took from each slot's coordinates.
+    built, pruned: (N*d,) wrapped coordinates of the slots when the wide and the close lists were made.
+    packed: coordinates of every slot, tile members first and images after, in records of 4 (3D) or 2 (2D).
+    tiles: coordinates of the tiles, WIDTH x, then WIDTH y, then WIDTH z each.
+    first: tile t has the neighbours entries[first[t] : first[t + 1]], slots (the tile's own are left out);
+    wide_first and wide_entries likewise.
+    start, image_offset: slots of the cells and of their images. blocks: (first slot, number of slots) of each run of
+    consecutive slots that has an image, with its displacement in block_shift.
+    state: counters and capacities, see STATUS and the names after it.
+    """
+
+    sides: tuple[float, ...]
+    cutoff: float
+    skin: float
+    order: np.ndarray
+    offset: np.ndarray
+    built: np.ndarray
+    pruned: np.ndarray
+    packed: np.ndarray
+    tiles: np.ndarray
+    first: np.ndarray
+    entries: np.ndarray
+    wide_first: np.ndarray
+    wide_entries: np.ndarray
+    start: np.ndarray
+    image_offset: np.ndarray
+    blocks: np.ndarray
+    block_shift: np.ndarray
+    state: np.ndarray
+
+
+class _Axis(NamedTuple):
+    """Cells along one axis: their number, the lower end of the first, size, 1/size; and how many have images beyond
+    either end."""
+
+    cells: int
+    low: float
+    width: float
+    inverse: float
+    around: int
+
+
+class _Grid(NamedTuple):
+    """Columns (a, b) of cells along c, the last axis; in two dimensions there is one b."""
+
+    a: _Axis
+    b: _Axis
+    c: _Axis
+
+
+def _inner(function: Kernel) -> Kernel:
+    """Compiled for kernels only: a wrapper for Python would take as long again. Python must not call it."""
+    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return cast(Kernel, njit(error_model="numpy", **options)(function))
+
+
+def inline(function: Kernel) -> Kernel:
+    """As `_inner`, and made part of its callers."""
+    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return cast(Kernel, njit(error_model="numpy", forceinline=True, **options)(function))
+
+
+def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) -> Neighbours:
+    """Empty lists for `number` particles; the first `update` fills them.
+
+    sides: box side of each periodic axis, 0 for an open one; cutoff, skin: lengths in the same unit.
+    Raises ValueError unless number >= 1, there are 2 or 3 sides, cutoff > 0, skin >= 0 and the periodic sides are
+    at least cutoff + skin.
+    """
+    dimension = len(sides)
+    if number < 1:
+        raise ValueError(f"number of particles must be at least 1, got {number}")
+    if dimension not in (2, 3):
+        raise ValueError(f"there must be 2 or 3 box sides, got {dimension}")
+    if not (np.isfinite(cutoff) and cutoff > 0):
+        raise ValueError(f"cutoff must be positive and finite, got {cutoff}")
+    if not (np.isfinite(skin) and skin >= 0):
+        raise ValueError(f"skin must be non-negative and finite, got {skin}")
+    reach = float(cutoff + skin)
+    if any(not (side == 0 or (np.isfinite(side) and side >= reach)) for side in sides):
+        raise ValueError(
+            f"periodic box sides must be at least cutoff + skin = {reach}, got {tuple(sides)}: reduce the skin"
+        )
+    tiles = -(-number // WIDTH)
+    # A guess for a uniform fluid: `enlarge` mends it where particles cluster.
+    span = [side if side > 0 else number ** (1 / dimension) * cutoff / 2 for side in sides]
+    density = number / prod(span)
+    width = (WIDTH / density) ** (1 / dimension)
+    grown = prod(side + 2 * (reach + width) if side > 0 else length for side, length in zip(sides, span, strict=True))
+    images = int(1.2 * (grown * density - number)) + 64 if any(sides) else 0
+    around = (width + 2 * reach) ** dimension if dimension == 2 else 0.85 * (width + 2 * reach) ** dimension
+    entries = int(tiles * min(number + images, 1.2 * density * around + 32))
+    columns = prod(ceil(length / width) + 2 * ceil(reach / width) + 2 for length in span[:-1])
+    return Neighbours(
+        sides=tuple(float(side) for side in sides),
+        cutoff=float(cutoff),
+        skin=float(skin),
+        order=np.zeros(number, dtype=np.int32),
+        offset=np.zeros(number * dimension),
+        built=np.zeros(number * dimension),
+        pruned=np.zeros(number * dimension),
+        packed=np.zeros((tiles * WIDTH + images) * _record(dimension)),
+        tiles=np.zeros(tiles * WIDTH * dimension),
+        first=np.zeros(tiles + 1, dtype=np.int64),
+        entries=np.zeros(entries, dtype=np.uint32),
+        wide_first=np.zeros(tiles + 1, dtype=np.int64),
+        wide_entries=np.zeros(entries, dtype=np.uint32),
+        start=np.zeros(number + 65, dtype=np.int64),
+        image_offset=np.zeros(3 * columns, dtype=np.int64),
+        blocks=np.zeros(2 * 3 * columns, dtype=np.int64),
+        block_shift=np.zeros(3 * 3 * columns),
+        state=np.zeros(7, dtype=np.int64),
+    )
+
+
+def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
+    """The same lists, not valid yet, with room for what the last `update` lacked, and a quarter more."""
+    dimension = len(neighbours.sides)
+    state = neighbours.state.copy()
+    state[VALID] = 0
+    blocks = max(len(neighbours.blocks) // 2, int(1.25 * state[BLOCKS]) + 8)
+    slots = max(len(neighbours.packed) // _record(dimension), int(1.25 * state[SLOTS]) + 8)
+    entries = len(neighbours.entries)
+    if state[ENTRIES] > entries:
+        entries = max(2 * entries, int(1.25 * state[ENTRIES]))
+    return neighbours._replace(
+        packed=np.zeros(slots * _record(dimension)),
+        entries=np.zeros(entries, dtype=np.uint32),
+        wide_entries=np.zeros(entries, dtype=np.uint32),
+        image_offset=np.zeros(blocks, dtype=np.int64),
+        blocks=np.zeros(2 * blocks, dtype=np.int64),
+        block_shift=np.zeros(3 * blocks),
+        state=state,
+    )
+
+
+@register_jitable
+def _record(dimension: int) -> int:
+    """Doubles per slot in `packed`."""
+    return 4 if dimension == 3 else 2
+
+
+@njit(cache=True, error_model="numpy")
+def update(neighbours: Neighbours, r: np.ndarray) -> int:
+    """Moves the slots to the coordinates `r`, shape (N*d,); rebuilds the lists if they might miss a pair.
+
+    Returns GOOD; NEEDS_CAPACITY, when `enlarge_neighbours` has to be called first; or DIVERGED, when a coordinate is
+    not finite or further than FAR list radii from the origin. Raises ValueError if r has another number of particles.
+    """
+    if r.size != neighbours.built.size:
+        raise ValueError("r must hold number * dimension coordinates")
+    state = neighbours.state
+    state[STATUS] = GOOD
+    if state[VALID] == 1:
+        still_close = _refresh(neighbours, r)
+        _copy_images(neighbours)
+        if still_close:
+            return GOOD
+        if _moved_less(neighbours, 0.5 * (1 - CLOSE) * neighbours.skin):
+            _prune(neighbours)
+            return GOOD
+    state[VALID] = 0
+    state[STATUS] = _build(neighbours, r)
+    if state[STATUS] == GOOD:
+        state[VALID] = 1
+        _prune(neighbours)
+    return state[STATUS]
+
+
+@_inner
+def _refresh(neighbours: Neighbours, r: np.ndarray) -> bool:
+    """Coordinates of the sorted particles; False if the close lists may miss a pair, or one is not a number."""
+    order, offset, pruned = neighbours.order, neighbours.offset, neighbours.pruned
+    packed, tiles = neighbours.packed, neighbours.tiles
+    dimension = len(neighbours.sides)
+    record = _record(dimension)
+    limit2 = (0.5 * CLOSE * SAFE * neighbours.skin) ** 2
+    still = True
+    for slot in range(len(order)):
+        particle = order[slot]
+        tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
+        displacement2 = 0.0
+        for k in range(dimension):
+            x = r[particle * dimension + k] - offset[slot * dimension + k]
+            displacement2 += (x - pruned[slot * dimension + k]) ** 2
+            packed[slot * record + k] = x
+            tiles[tile + k * WIDTH] = x
+        still &= displacement2 <= limit2
+    return still
+
+
+@_inner
+def _moved_less(neighbours: Neighbours, limit: float) -> bool:
+    """True if no particle is further than `limit` from where the wide lists were built; False for not-a-number."""
+    packed, built = neighbours.packed, neighbours.built
+    dimension = len(neighbours.sides)
+    record = _record(dimension)
+    still = True
+    for slot in range(len(neighbours.order)):
+        displacement2 = 0.0
+        for k in range(dimension):
+            displacement2 += (packed[slot * record + k] - built[slot * dimension + k]) ** 2
+        still &= displacement2 <= (SAFE * limit) ** 2
+    return still
+
+
+@inline
+def _distance2(packed, sides, j, xi, yi, zi):  # type: ignore[no-untyped-def]
+    """Squared distances of slot j from the members of a tile; two dimensions leave out zi."""
+    record = _record(len(sides))
+    dx = xi - load_splat(packed, j * record)
+    dy = yi - load_splat(packed, j * record + 1)
+    r2 = dx * dx + dy * dy
+    if len(sides) == 3:
+        dz = zi - load_splat(packed, j * record + 2)
+        r2 = r2 + dz * dz
+    return r2
+
+
+@_inner
+def _prune(neighbours: Neighbours) -> None:
+    """Close lists: the entries of the wide ones that are within cutoff + CLOSE * skin of a member of the tile."""
+    packed, tiles, pruned = neighbours.packed, neighbours.tiles, neighbours.pruned
+    first, entries = neighbours.first, neighbours.entries
+    wide_first, wide_entries = neighbours.wide_first, neighbours.wide_entries
+    dimension = len(neighbours.sides)
+    record = _record(dimension)
+    reach2 = splat(((neighbours.cutoff + CLOSE * neighbours.skin) / SAFE) ** 2)
+    for slot in range(len(neighbours.order)):
+        for k in range(dimension):
+            pruned[slot * dimension + k] = packed[slot * record + k]
+    found = 0
+    for tile in range(len(first) - 1):
+        first[tile] = found
+        base = tile * WIDTH * dimension
+        xi = load(tiles, base)
+        yi = load(tiles, base + WIDTH)
+        zi = load(tiles, base + (dimension - 1) * WIDTH)
+        for entry in range(wide_first[tile], wide_first[tile + 1]):
+            j = wide_entries[entry]
+            entries[found] = j
+            found += any_lane(_distance2(packed, neighbours.sides, np.int64(j), xi, yi, zi) < reach2)
+    first[len(first) - 1] = found
+    neighbours.state[PRUNES] += 1
+
+
+@_inner
+def _copy_images(neighbours: Neighbours) -> None:
+    packed, blocks, block_shift = neighbours.packed, neighbours.blocks, neighbours.block_shift
+    dimension = len(neighbours.sides)
+    record = _record(dimension)
+    image = len(neighbours.first) * WIDTH - WIDTH
+    for block in range(neighbours.state[BLOCKS]):
+        source, count = blocks[2 * block], blocks[2 * block + 1]
+        for i in range(count):
+            for k in range(dimension):
+                packed[(image + i) * record + k] = packed[(source + i) * record + k] + block_shift[3 * block + k]
+        image += count
+
+
+@njit(cache=True, error_model="numpy")
+def spread(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray) -> None:
+    """Copies the `values` of the particles, shape (N,), to their slots and images; other `slots` keep theirs."""
+    for slot in range(len(neighbours.order)):
+        slots[slot] = values[neighbours.order[slot]]
+    image = len(neighbours.first) * WIDTH - WIDTH
+    for block in range(neighbours.state[BLOCKS]):
+        source, count = neighbours.blocks[2 * block], neighbours.blocks[2 * block + 1]
+        for i in range(count):
+            slots[image + i] = slots[source + i]
+        image += count
+
+
+@_inner
+def _build(neighbours: Neighbours, r: np.ndarray) -> int:
+    reach = neighbours.cutoff + neighbours.skin
+    far = FAR * reach
+    for x in r:
+        if not -far <= x <= far:
+            return DIVERGED
+    grid = _choose_grid(neighbours.sides, reach, r, len(neighbours.start) - 1)
+    _sort(neighbours, grid, r)
+    if not _make_images(neighbours, grid):
+        return NEEDS_CAPACITY
+    _copy_images(neighbours)
+    if not _fill_lists(neighbours, grid):
+        return NEEDS_CAPACITY
+    neighbours.state[BUILDS] += 1
+    return GOOD
+
+
+@_inner
+def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: int) -> _Grid:
+    """Columns as wide as a cubic (2D: square) tile is at the mean density, at most `limit` cells in all."""
+    dimension = len(sides)
+    low_a, extent_a = _extent(sides[0], r, 0, dimension)
+    low_b, extent_b = _extent(sides[1], r, 1, dimension)
+    low_c, extent_c = low_b, extent_b
+    volume = max(extent_a, reach) * max(extent_b, reach)
+    if dimension == 3:
+        low_c, extent_c = _extent(sides[dimension - 1], r, dimension - 1, dimension)
+        volume *= max(extent_c, reach)
+    else:
+        low_b, extent_b = 0.0, 0.0
+    size = (WIDTH * volume / (r.size // dimension)) ** (1 / dimension)
+    while True:
+        cells_a = max(1.0, np.rint(extent_a / size))
+        cells_b = max(1.0, np.rint(extent_b / size))
+        cells_c = max(1.0, np.rint(extent_c / size * FINE))
+        if cells_a * cells_b * cells_c <= limit:
+            break
+        size *= 1.2
+    return _Grid(
+        _axis(cells_a, low_a, extent_a, sides[0], reach),
+        _axis(cells_b, low_b, extent_b, sides[1] if dimension == 3 else 0.0, reach),
+        _axis(cells_c, low_c, extent_c, sides[dimension - 1], reach),
+    )
+
+
+@_inner
+def _extent(side: float, r: np.ndarray, k: int, dimension: int) -> tuple[float, float]:
+    """Lower end and length of axis k: the box if it is periodic, else what the particles take up."""
+    if side > 0:
+        return 0.0, side
+    low = high = r[k]
+    for i in range(k, r.size, dimension):
+        low = min(low, r[i])
+        high = max(high, r[i])
+    return low, high - low
+
+
+@_inner
+def _axis(cells: float, low: float, extent: float, side: float, reach: float) -> _Axis:
+    inverse = cells / extent if extent > 0 else 0.0
+    around = min(cells, np.ceil(reach * inverse)) if side > 0 else 0.0
+    return _Axis(int(cells), low, extent / cells, inverse, int(around))
+
+
+@inline
+def _column(grid: _Grid, a: int, b: int) -> int:
+    """Number of a column along the snaking path: neighbours on the path are neighbours in space."""
+    return a * grid.b.cells + (grid.b.cells - 1 - b if a % 2 else b)
+
+
+@inline
+def _slots(grid: _Grid, start: np.ndarray, column: int, low: int, high: int) -> tuple[int, int]:
+    """First slot and end of the cells low ... high of a column; odd columns are walked downwards."""
+    if column % 2:
+        low, high = grid.c.cells - 1 - high, grid.c.cells - 1 - low
+    return start[column * grid.c.cells + low], start[column * grid.c.cells + high + 1]
+
+
+@inline
+def _imaged(grid: _Grid, shift_c: int) -> tuple[int, int]:
+    """First and last cell of a column that has an image `shift_c` boxes along the column; none if last < first."""
+    low = grid.c.cells - grid.c.around if shift_c == -1 else 0
+    high = grid.c.around - 1 if shift_c == 1 else grid.c.cells - 1
+    return low, high
+
+
+@inline
+def _offset(x: float, side: float) -> float:
+    """What wrapping takes from a coordinate: a whole number of box sides."""
+    return side * np.floor(x / side) if side > 0 else 0.0
+
+
+@inline
+def _cell(axis: _Axis, x: float, side: float) -> int:
+    cell = int((x - _offset(x, side) - axis.low) * axis.inverse)
+    return min(axis.cells - 1, max(0, cell))
+
+
+@_inner
+def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
+    """Counting sort of the particles by cell along the snaking path."""
+    sides, order, offset, built = neighbours.sides, neighbours.order, neighbours.offset, neighbours.built
+    packed, tiles, start = neighbours.packed, neighbours.tiles, neighbours.start
+    dimension = len(sides)
+    record = _record(dimension)
+    number = len(order)
+    cells = grid.a.cells * grid.b.cells * grid.c.cells
+    cell_of = np.empty(number, dtype=np.int32)
+    for cell in range(cells + 1):
+        start[cell] = 0
+    for i in range(number):
+        a = _cell(grid.a, r[i * dimension], sides[0])
+        b = _cell(grid.b, r[i * dimension + 1], sides[1]) if dimension == 3 else 0
+        c = _cell(grid.c, r[i * dimension + dimension - 1], sides[dimension - 1])
+        column = _column(grid, a, b)
+        cell_of[i] = column * grid.c.cells + (grid.c.cells - 1 - c if column % 2 else c)
+        start[cell_of[i] + 1] += 1
+    for cell in range(cells):
+        start[cell + 1] += start[cell]
+    for i in range(number):
+        slot = start[cell_of[i]]
+        start[cell_of[i]] += 1
+        order[slot] = i
+    # Every start has moved on to its cell's end, which is the next cell's start.
+    for cell in range(cells, 0, -1):
+        start[cell] = start[cell - 1]
+    start[0] = 0
+    for slot in range(number):
+        tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
+        for k in range(dimension):
+            x = r[order[slot] * dimension + k]
+            offset[slot * dimension + k] = _offset(x, sides[k])
+            wrapped = x - offset[slot * dimension + k]
+            built[slot * dimension + k] = wrapped
+            packed[slot * record + k] = wrapped
+            tiles[tile + k * WIDTH] = wrapped
+    for slot in range(number, len(tiles) // dimension):
+        tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
+        for k in range(dimension):
+            # Apart from each other, so that they do not interact either.
+            packed[slot * record + k] = NOWHERE * (slot % WIDTH)
+            tiles[tile + k * WIDTH] = NOWHERE * (slot % WIDTH)
+
+
+@_inner
+def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
+    """Which slots are imaged, where to and by how much; False if the arrays are too small."""
+    sides, start, state = neighbours.sides, neighbours.start, neighbours.state
+    image_offset, blocks, block_shift = neighbours.image_offset, neighbours.blocks, neighbours.block_shift
+    dimension = len(sides)
+    end = len(neighbours.first) * WIDTH - WIDTH
+    block = 0
+    columns = (grid.a.cells + 2 * grid.a.around) * (grid.b.cells + 2 * grid.b.around)
+    if 3 * columns > len(image_offset) or 6 * columns > len(blocks):
+        state[BLOCKS] = 3 * columns
+        return False
+    position = 0
+    for a in range(-grid.a.around, grid.a.cells + grid.a.around):
+        shift_a = (a >= grid.a.cells) - (a < 0)
+        for b in range(-grid.b.around, grid.b.cells + grid.b.around):
+            shift_b = (b >= grid.b.cells) - (b < 0)
+            column = _column(grid, a - shift_a * grid.a.cells, b - shift_b * grid.b.cells)
+            for shift_c in range(-1, 2):
+                low, high = _imaged(grid, shift_c)
+                image_offset[position] = 0
+                if low <= high and not (shift_a == 0 and shift_b == 0 and shift_c == 0):
+                    source, source_end = _slots(grid, start, column, low, high)
+                    image_offset[position] = end - source
+                    blocks[2 * block] = source
+                    blocks[2 * block + 1] = source_end - source
+                    block_shift[3 * block] = shift_a * sides[0]
+                    block_shift[3 * block + 1] = shift_b * sides[1]
+                    block_shift[3 * block + dimension - 1] = shift_c * sides[dimension - 1]
+                    end += source_end - source
+                    block += 1
+                position += 1
+    state[BLOCKS] = block
+    state[SLOTS] = end
+    return end * _record(dimension) <= len(neighbours.packed)
+
+
+@_inner
+def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
+    """Wide lists: the slots within cutoff + skin of a member of each tile; False if the array is too small."""
+    packed, tiles, start = neighbours.packed, neighbours.tiles, neighbours.start
+    first, entries, image_offset = neighbours.wide_first, neighbours.wide_entries, neighbours.image_offset
+    dimension = len(neighbours.sides)
+    number = len(neighbours.order)
+    reach = (neighbours.cutoff + neighbours.skin) / SAFE
+    reach2 = reach * reach
+    columns_b = grid.b.cells + 2 * grid.b.around
+    found = 0
+    for tile in range(len(first) - 1):
+        first[tile] = found
+        base = tile * WIDTH * dimension
+        members = min(WIDTH, number - tile * WIDTH)
+        a_low, a_high, a_from, a_to = _range(grid.a, tiles, base, members, reach)
+        b_low, b_high, b_from, b_to = _range(grid.b, tiles, base + WIDTH, members, reach)
+        if dimension == 2:
+            b_low, b_high, b_from, b_to = 0.0, 0.0, 0, 0
+        c_low, c_high, _, _ = _range(grid.c, tiles, base + (dimension - 1) * WIDTH, members, reach)
+        xi = load(tiles, base)
+        yi = load(tiles, base + WIDTH)
+        zi = load(tiles, base + (dimension - 1) * WIDTH)
+        for a in range(a_from, a_to + 1):
+            shift_a = (a >= grid.a.cells) - (a < 0)
+            gap_a = _gap(grid.a, a, a_low, a_high)
+            for b in range(b_from, b_to + 1):
+                shift_b = (b >= grid.b.cells) - (b < 0)
+                gap_b = _gap(grid.b, b, b_low, b_high)
+                left2 = reach2 - gap_a * gap_a - gap_b * gap_b
+                if left2 <= 0:
+                    continue
+                left = np.sqrt(left2)
+                c_from = int(np.floor((c_low - left - grid.c.low) * grid.c.inverse))
+                c_to = int(np.floor((c_high + left - grid.c.low) * grid.c.inverse))
+                column = _column(grid, a - shift_a * grid.a.cells, b - shift_b * grid.b.cells)
+                position = ((a + grid.a.around) * columns_b + b + grid.b.around) * 3
+                for shift_c in range(-1, 2):
+                    low, high = _imaged(grid, shift_c)
+                    low = max(low, c_from - shift_c * grid.c.cells)
+                    high = min(high, c_to - shift_c * grid.c.cells)
+                    if low > high:
+                        continue
+                    slot, end = _slots(grid, start, column, low, high)
+                    slot += image_offset[position + shift_c + 1]
+                    end += image_offset[position + shift_c + 1]
+                    if found + end - slot > len(entries):
+                        neighbours.state[ENTRIES] = found + end - slot
+                        return False
+                    for j in range(slot, end):
+                        entries[found] = j
+                        near = any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
+                        found += near & (j // WIDTH != tile)
+    first[len(first) - 1] = found
+    neighbours.state[ENTRIES] = found
+    return True
+
+
+@inline
+def _range(axis: _Axis, tiles: np.ndarray, base: int, members: int, reach: float) -> tuple[float, float, int, int]:
+    """Extent of a tile along an axis, and the range of the cells, images included, within `reach` of it."""
+    low = high = tiles[base]
+    for lane in range(1, members):
+        low = min(low, tiles[base + lane])
+        high = max(high, tiles[base + lane])
+    cell_from = int(np.floor((low - reach - axis.low) * axis.inverse))
+    cell_to = int(np.floor((high + reach - axis.low) * axis.inverse))
+    return low, high, max(-axis.around, cell_from), min(axis.cells - 1 + axis.around, cell_to)
+
+
+@inline
+def _gap(axis: _Axis, cell: int, low: float, high: float) -> float:
+    """Distance between a cell and the interval low ... high."""
+    cell_low = axis.low + cell * axis.width
+    return max(0.0, cell_low - high, low - cell_low - axis.width)

@@ -1,0 +1,213 @@
+"""The pair sum against a double loop, the tails against quadrature, and the equations of state against known values."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from crosscheck.references.lennard_jones import PairSum, equation_of_state, pair_sum, tail
+from crosscheck.scene import Box, LennardJones, Scene, Wall, explicit
+
+TRUNCATIONS = ("truncated", "shifted", "force_shifted")
+CUTOFF = 1.9
+
+
+def scattered(dimension: int, seed: int, number: int = 14) -> np.ndarray:
+    """Particles at random in a box of side 4, none nearer than 0.75 to another, nor to a face."""
+    rng, found = np.random.default_rng(seed), []
+    while len(found) < number:
+        x = rng.uniform(0.75, 3.25, dimension)
+        if all(np.linalg.norm(x - y) > 0.75 for y in found):
+            found.append(x)
+        elif rng.random() < 0.001:
+            number -= 1
+    return np.array(found)
+
+
+def scene_of(positions: np.ndarray, box: str = "periodic", mixture: bool = False, **lennard_jones: Any) -> Scene:
+    number, dimension = positions.shape
+    boundaries = {
+        "periodic": ("periodic",) * dimension,
+        "open": ("periodic",) * (dimension - 1) + ("open",),
+        "walls": ("wall",) + ("periodic",) * (dimension - 1),
+        "none": None,
+    }[box]
+    wall = Wall(cutoff=1.2, epsilon=0.7, sigma=0.9) if box == "walls" else None
+    if mixture:
+        lennard_jones |= {"epsilon": (1.0, 0.6), "length": (1.0, 0.85)}
+    return Scene(
+        name="scattered",
+        dimension=dimension,
+        duration=0.0,
+        species=tuple(i % 2 for i in range(number)) if mixture else None,
+        box=None if boundaries is None else Box(lengths=(4.0,) * dimension, boundaries=boundaries, wall=wall),
+        lennard_jones=LennardJones(cutoff=CUTOFF, **lennard_jones),
+        initial=explicit(positions, np.zeros_like(positions)),
+    )
+
+
+def double_loop(scene: Scene) -> tuple[float, float]:
+    """Energy and virial, by the book: every pair, its nearest image, the formula as it is printed."""
+    state, lj = scene.initial_state(), scene.lennard_jones
+    energy = virial = 0.0
+    for i in range(scene.number):
+        for j in range(i):
+            apart = state.positions[i] - state.positions[j]
+            for axis, boundary in enumerate(scene.boundaries):
+                if boundary == "periodic":
+                    apart[axis] -= round(apart[axis] / state.lengths[axis]) * state.lengths[axis]
+            epsilon, sigma = lj.epsilon, lj.length
+            if state.species is not None:
+                a, b = state.species[[i, j]]
+                epsilon, sigma = math.sqrt(lj.epsilon[a] * lj.epsilon[b]), (lj.length[a] + lj.length[b]) / 2
+            if lj.length_form == "r_m":
+                sigma /= 2 ** (1 / 6)
+            r = math.sqrt((apart**2).sum())
+            if r < lj.cutoff:
+                phi, slope = potential(r, epsilon, sigma)
+                at_cutoff, slope_at_cutoff = potential(lj.cutoff, epsilon, sigma)
+                if lj.truncation == "shifted":
+                    phi -= at_cutoff
+                if lj.truncation == "force_shifted":
+                    phi -= at_cutoff + (r - lj.cutoff) * slope_at_cutoff
+                    slope -= slope_at_cutoff
+                energy += phi
+                virial -= r * slope
+    if scene.box is not None and scene.box.wall is not None:
+        wall = scene.box.wall
+        for x in state.positions:
+            for axis, boundary in enumerate(scene.boundaries):
+                for z in (x[axis], state.lengths[axis] - x[axis]):
+                    if boundary == "wall" and z < wall.cutoff:
+                        energy += potential(z, wall.epsilon, wall.sigma)[0]
+                        energy -= potential(wall.cutoff, wall.epsilon, wall.sigma)[0]
+    return energy, virial
+
+
+def potential(r: float, epsilon: float, sigma: float) -> tuple[float, float]:
+    """4 epsilon ((sigma/r)^12 - (sigma/r)^6), and its slope."""
+    return (
+        4 * epsilon * (sigma**12 / r**12 - sigma**6 / r**6),
+        -4 * epsilon * (12 * sigma**12 / r**13 - 6 * sigma**6 / r**7),
+    )
+
+
+# -- pair sum ----------------------------------------------------------------------------------------
+
+
+@given(
+    dimension=st.sampled_from([2, 3]),
+    box=st.sampled_from(["periodic", "open", "walls", "none"]),
+    truncation=st.sampled_from(TRUNCATIONS),
+    mixture=st.booleans(),
+    form=st.sampled_from(["sigma", "r_m"]),
+    seed=st.integers(0, 1000),
+)
+def test_energy_and_virial_are_those_of_a_double_loop(
+    dimension: int, box: str, truncation: str, mixture: bool, form: str, seed: int
+) -> None:
+    number = 8 if dimension == 2 else 14
+    scene = scene_of(
+        scattered(dimension, seed, number), box=box, mixture=mixture, truncation=truncation, length_form=form
+    )
+    found, (energy, virial) = pair_sum(scene), double_loop(scene)
+    assert found.energy == pytest.approx(energy, abs=1e-13 * found.energy_scale)
+    assert found.virial == pytest.approx(virial, abs=1e-13 * found.virial_scale)
+
+
+@pytest.mark.parametrize("truncation", TRUNCATIONS)
+@pytest.mark.parametrize("box", ["periodic", "walls", "none"])
+@pytest.mark.parametrize("mixture", [False, True])
+def test_force_is_minus_the_gradient_of_the_energy(truncation: str, box: str, mixture: bool) -> None:
+    positions, step = scattered(3, 5, 6), 1e-5
+
+    def energy(x: np.ndarray) -> float:
+        return pair_sum(scene_of(x, box=box, mixture=mixture, truncation=truncation)).energy
+
+    forces = pair_sum(scene_of(positions, box=box, mixture=mixture, truncation=truncation)).forces
+    for i, axis in ((0, 0), (2, 1), (5, 2)):
+        change = np.zeros_like(positions)
+        change[i, axis] = step
+        slope = (energy(positions + change) - energy(positions - change)) / (2 * step)
+        assert forces[i, axis] == pytest.approx(-slope, rel=1e-5, abs=1e-5)
+
+
+def test_force_scale_adds_up_without_signs() -> None:
+    sums = pair_sum(scene_of(np.array([[1.0, 2.0], [2.1, 2.0], [3.2, 2.0]]), box="none"))
+    slope = abs(potential(1.1, 1.0, 1.0)[1])
+    np.testing.assert_allclose(sums.forces[1], 0, atol=1e-13)
+    np.testing.assert_allclose(sums.force_scale, [slope, 2 * slope, slope], rtol=1e-12)
+
+
+@given(shift=st.tuples(st.integers(-3, 3), st.integers(-3, 3), st.integers(-3, 3)))
+def test_any_image_of_a_particle_will_do(shift: tuple[int, int, int]) -> None:
+    positions = scattered(3, 1)
+    moved = positions.copy()
+    moved[4] += 4.0 * np.array(shift)
+    one, two = pair_sum(scene_of(positions)), pair_sum(scene_of(moved))
+    np.testing.assert_allclose(two.forces, one.forces, rtol=0, atol=1e-12 * one.force_scale.max())
+    assert two.energy == pytest.approx(one.energy, abs=1e-12 * one.energy_scale)
+
+
+def test_r_m_is_the_place_of_the_minimum() -> None:
+    sums = pair_sum(scene_of(np.array([[1.0, 1.0], [2.1, 1.0]]), box="none", length=1.1, length_form="r_m"))
+    assert sums.energy == pytest.approx(-1, rel=1e-14)
+    np.testing.assert_allclose(sums.forces, 0, atol=1e-12)
+
+
+def test_particles_out_of_reach_have_no_energy() -> None:
+    empty = pair_sum(scene_of(np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0]]), box="none"))
+    assert isinstance(empty, PairSum)
+    assert empty.energy == empty.virial == empty.forces.any() == 0
+    assert math.isfinite(empty.sensitivity)
+
+
+# -- tails -------------------------------------------------------------------------------------------
+
+
+@given(density=st.floats(0.01, 1.0), cutoff=st.floats(1.5, 6.0))
+def test_tails_are_the_integrals_beyond_the_cutoff(density: float, cutoff: float) -> None:
+    energy, _ = quad(lambda r: r**2 * potential(r, 1, 1)[0], cutoff, np.inf, epsabs=0, epsrel=1e-11)
+    pressure, _ = quad(lambda r: r**3 * potential(r, 1, 1)[1], cutoff, np.inf, epsabs=0, epsrel=1e-11)
+    found = tail(density, cutoff)
+    assert found.energy == pytest.approx(2 * math.pi * density * energy, rel=1e-9)
+    assert found.pressure == pytest.approx(-2 / 3 * math.pi * density**2 * pressure, rel=1e-9)
+
+
+# -- equations of state -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("temperature", "density", "pressures", "energies"),
+    [
+        (1.0, 0.7, (0.01778, 0.01434), (-4.88773, -4.88899)),
+        (1.0, 0.8, (1.01478, 1.02327), (-5.53372, -5.53441)),
+        (2.0, 0.5, (1.07392, 1.07516), (-3.15010, -3.15250)),
+        (0.722, 0.8442, (0.16323, 0.16509), (-6.08302, -6.08008)),
+        (1.5, 0.3, (0.22488, 0.22477), (-2.08619, -2.08123)),
+        (2.0, 0.1, (0.17783, 0.17780), (-0.66854, -0.66743)),
+        (1.0, 0.75, (0.39391, 0.39958), (-5.21878, -5.22125)),
+    ],
+)
+def test_equations_of_state(
+    temperature: float, density: float, pressures: tuple[float, float], energies: tuple[float, float]
+) -> None:
+    """Kolafa and Nezbeda (1994) first, Thol et al. (2016) second."""
+    point = equation_of_state(temperature, density)
+    assert point.pressure == pytest.approx(np.mean(pressures), abs=1e-5)
+    assert point.energy == pytest.approx(np.mean(energies), abs=1e-5)
+    assert point.pressure_uncertainty == pytest.approx(abs(np.diff(pressures)[0]) / 2, abs=1e-5)
+    assert point.energy_uncertainty == pytest.approx(abs(np.diff(energies)[0]) / 2, abs=1e-5)
+
+
+@pytest.mark.parametrize(("temperature", "b2"), [(0.8, -7.82094), (1.0, -5.31575), (1.5, -2.51512), (2.0, -1.31450)])
+def test_dilute_gas_follows_the_second_virial_coefficient(temperature: float, b2: float) -> None:
+    density = 1e-3
+    point = equation_of_state(temperature, density)
+    assert point.pressure / (density * temperature) - 1 == pytest.approx(b2 * density, rel=0.03)

@@ -1,0 +1,291 @@
+"""Which cases are chosen, how they are run, and that whatever goes wrong costs one verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from crosscheck import runner
+from crosscheck.checks.base import Check, Laboratory, fixed, schemes_with
+from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
+from crosscheck.runner import Case, close_pools, find, judge, run, select
+from crosscheck.scene import Explicit, Method, Scene, Spring
+from crosscheck.verdict import Judgement, Verdict, round_off
+
+SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), initial=Explicit(positions=((1.0,),)))
+
+#: An engine that ends its own process on its second run.
+MORTAL = """
+import os, signal
+import numpy as np
+from crosscheck.engines.base import Claims, Run, sample_times
+
+class Engine:
+    name = "mortal"
+    schemes = {"good": Claims((1, 1))}
+    runs = 0
+
+    def version(self):
+        return "1"
+
+    def supports(self, scene, method):
+        return None
+
+    def run(self, scene, method):
+        Engine.runs += 1
+        if Engine.runs == 2:
+            os.kill(os.getpid(), signal.SIGKILL)
+        state = scene.initial_state()
+        return Run(sample_times(scene, method), state.positions, state.velocities)
+"""
+
+
+def passed(laboratory: Laboratory, variant: str) -> Judgement:
+    return round_off("nothing", 0.0, 1.0, "because")
+
+
+def check(name: str, judge: Any = passed, **changes: Any) -> Check:
+    options = {"variants": fixed("one"), "faults": ()} | changes
+    return Check(name, "title", "equation", "criterion", "citation", judge, **options)
+
+
+@pytest.fixture(autouse=True)
+def no_workers_left() -> Iterator[None]:
+    yield
+    close_pools()
+
+
+def offer(monkeypatch: pytest.MonkeyPatch, *checks: Check) -> None:
+    monkeypatch.setattr(runner, "all_checks", lambda: checks)
+
+
+def names(cases: list[Case]) -> list[str]:
+    return [case.name for case in cases]
+
+
+# -- which cases -------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def three(monkeypatch: pytest.MonkeyPatch) -> None:
+    offer(
+        monkeypatch,
+        check("a/quick", variants=fixed("one", "two")),
+        check("a/slow", tier="full"),
+        check("b/schemes", variants=schemes_with(lambda name, claims: claims.symplectic is True), engines=("rebound",)),
+    )
+
+
+@pytest.mark.usefixtures("three")
+@pytest.mark.parametrize(
+    ("patterns", "tier", "found"),
+    [
+        ([], "quick", ["a/quick/one", "a/quick/two"]),
+        ([], "full", ["a/quick/one", "a/quick/two", "a/slow/one"]),
+        (["a/quick"], "quick", ["a/quick/one", "a/quick/two"]),
+        (["a/quick/two"], "quick", ["a/quick/two"]),
+        (["*/one"], "full", ["a/quick/one", "a/slow/one"]),
+        (["a/s*", "*two"], "full", ["a/quick/two", "a/slow/one"]),
+    ],
+)
+def test_patterns_and_tiers(patterns: list[str], tier: str, found: list[str]) -> None:
+    assert names(select(patterns, tier, ["refimpl"])) == found
+
+
+@pytest.mark.usefixtures("three")
+def test_own_engines_are_tried_where_they_are_named() -> None:
+    cases = select(["b/*"], "quick", ["refimpl", "rebound"])
+    assert cases
+    assert {case.engine for case in cases} == {"rebound"}
+
+
+@pytest.mark.usefixtures("three")
+def test_other_engines_are_tried_on_every_check(tmp_path: Path) -> None:
+    file = tmp_path / "engine.py"
+    file.write_text(MORTAL.replace("Claims((1, 1))", "Claims((1, 1), symplectic=True)"))
+    cases = select([], "full", [f"{file}:Engine"])
+    assert names(cases) == ["a/quick/one", "a/quick/two", "a/slow/one", "b/schemes/good"]
+
+
+@pytest.mark.usefixtures("three")
+def test_an_engine_that_is_named_twice_is_judged_once() -> None:
+    assert len(select(["a/quick/one"], "quick", ["refimpl", "refimpl"])) == 1
+
+
+@pytest.mark.usefixtures("three")
+def test_no_match_says_what_was_looked_for() -> None:
+    with pytest.raises(UsageError, match=r"no check of tier 'quick' on refimpl matches a/slow c\*; see"):
+        select(["a/slow", "c*"], "quick", ["refimpl"])
+
+
+@pytest.mark.usefixtures("three")
+def test_an_unknown_engine_is_named_with_those_there_are() -> None:
+    with pytest.raises(UsageError, match=r"unknown engine 'refimp'; known: refimpl"):
+        select([], "quick", ["refimp"])
+
+
+@pytest.mark.usefixtures("three")
+@pytest.mark.parametrize("name", ["a/quick", "a/quick/two", "a/quick/two/e0.5"])
+def test_find(name: str) -> None:
+    assert find(name).name == "a/quick"
+
+
+@pytest.mark.usefixtures("three")
+def test_an_unknown_check_is_named_with_the_near_ones() -> None:
+    with pytest.raises(UsageError, match=r"unknown check 'a/quikc'; near: a/quick"):
+        find("a/quikc")
+
+
+# -- one case ---------------------------------------------------------------------------------------
+
+
+def raises(error: Exception) -> Any:
+    def judge(laboratory: Laboratory, variant: str) -> Judgement:
+        raise error
+
+    return judge
+
+
+@pytest.mark.parametrize(
+    ("how", "outcome", "message"),
+    [
+        (passed, "pass", ""),
+        (raises(EngineMissing("lammps: not here")), "skip", "lammps: not here"),
+        (raises(Unsupported("refimpl: too hard")), "skip", "refimpl: too hard"),
+        (raises(EngineError("refimpl was killed\nlast lines")), "error", "refimpl was killed\nlast lines"),
+        (raises(ValueError("two and two")), "error", "the check failed: ValueError: two and two"),
+        (raises(UsageError("a bad step")), "error", "the check failed: UsageError: a bad step"),
+        (raises(KeyError("x")), "error", "the check failed: KeyError: 'x'"),
+    ],
+)
+def test_whatever_goes_wrong_is_a_verdict(
+    monkeypatch: pytest.MonkeyPatch, how: Any, outcome: str, message: str
+) -> None:
+    offer(monkeypatch, check("a/b", how))
+    verdict = judge(Case("a/b", "one", "refimpl", False), seed=0)
+    assert (verdict.check, verdict.engine) == ("a/b/one", "refimpl")
+    assert (verdict.outcome, verdict.message) == (outcome, message)
+    assert (verdict.judgement is None) == (outcome != "pass")
+    assert verdict.cost["seconds"] >= 0
+
+
+def test_a_case_knows_its_variant_its_claims_and_its_seeds(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[Any] = []
+
+    def look(laboratory: Laboratory, variant: str) -> Judgement:
+        seen.append((variant, laboratory.seed(), laboratory.seed("other"), sorted(laboratory.claims)[0]))
+        return passed(laboratory, variant)
+
+    offer(monkeypatch, check("a/b", look))
+    for seed, variant in ((0, "one"), (0, "one"), (1, "one"), (0, "two")):
+        judge(Case("a/b", variant, "refimpl", False), seed)
+    assert seen[0] == seen[1]
+    assert [entry[0] for entry in seen] == ["one", "one", "one", "two"]
+    assert len({number for entry in seen for number in entry[1:3]}) == 6
+    assert seen[0][3] == "beeman"
+
+
+def test_costs_of_all_runs_add_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    file = tmp_path / "engine.py"
+    text = MORTAL.replace("Engine.runs == 2", "False").replace("import Claims, Run", "import Claims, Cost, Run")
+    file.write_text(text.replace("state.velocities)", "state.velocities, cost=Cost(1, 1, 1, 3, 4, 5 * Engine.runs))"))
+
+    def twice(laboratory: Laboratory, variant: str) -> Judgement:
+        laboratory.run(SCENE, Method(scheme="good", dt=0.1))
+        laboratory.run(SCENE, Method(scheme="good", dt=0.1))
+        return passed(laboratory, variant)
+
+    offer(monkeypatch, check("a/b", twice))
+    cost = judge(Case("a/b", "one", f"{file}:Engine", False), seed=0).cost
+    assert (cost["wall"], cost["steps"], cost["evaluations"]) == (2, 6, 8)
+    assert cost["peak_bytes"] == 10  # the largest, not the sum
+
+
+# -- many cases --------------------------------------------------------------------------------------
+
+
+def test_every_case_gets_one_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
+    offer(monkeypatch, check("a/b", variants=fixed(*"abcdef")), check("a/c", raises(EngineError("broken"))))
+    cases, started = select([], "quick", ["refimpl"]), []
+    verdicts = list(run(cases, seed=0, jobs=3, on_start=started.append))
+    assert sorted(verdict.check for verdict in verdicts) == names(cases)
+    assert sorted(started, key=lambda case: case.name) == cases
+    assert [verdict.outcome for verdict in verdicts].count("error") == 1
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_timing_runs_after_the_others_and_alone(monkeypatch: pytest.MonkeyPatch, own: bool) -> None:
+    log: list[tuple[str, str]] = []
+
+    def busy(laboratory: Laboratory, variant: str) -> Judgement:
+        log.append(("start", laboratory.case))
+        total = sum(range(20_000))
+        log.append(("end", laboratory.case))
+        assert total
+        return passed(laboratory, variant)
+
+    offer(
+        monkeypatch,
+        check("a/timing", busy, timing=True, variants=fixed(*"xyz")),
+        check("b/other", busy, variants=fixed(*"abcdef")),
+    )
+    cases = select([], "quick", ["refimpl"])
+    with ThreadPoolExecutor(4) as executor:
+        verdicts = list(run(cases, 0, 4, executor=None if own else executor))
+    assert {verdict.outcome for verdict in verdicts} == {"pass"}
+    assert [verdict.check for verdict in verdicts][6:] == [f"a/timing/{name}" for name in "xyz"]
+    assert log[12:] == [(what, f"a/timing/{name}") for name in "xyz" for what in ("start", "end")]
+
+
+def test_an_executor_that_is_given_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    offer(monkeypatch, check("a/b"))
+    with ThreadPoolExecutor(1) as executor:
+        assert len(list(run(select([], "quick", ["refimpl"]), 0, 1, executor=executor))) == 1
+        assert executor.submit(lambda: 7).result() == 7
+
+
+def test_a_run_that_is_left_cancels_the_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    done = []
+    offer(
+        monkeypatch,
+        check("a/b", lambda laboratory, variant: done.append(variant), variants=fixed(*map(str, range(500)))),
+    )
+    verdicts = run(select([], "quick", ["refimpl"]), 0, 1)
+    next(verdicts)
+    verdicts.close()
+    assert len(done) < 500
+
+
+def test_a_worker_that_dies_costs_one_verdict(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    file = tmp_path / "engine.py"
+    file.write_text(MORTAL)
+
+    def runs(laboratory: Laboratory, variant: str) -> Judgement:
+        found = laboratory.run(SCENE, Method(scheme="good", dt=0.1))
+        return round_off("position", float(found.final_positions[0, 0]) - 1, 1.0, "because")
+
+    offer(monkeypatch, check("a/b", runs, variants=fixed("1", "2", "3")))
+    # one job: the new process would die on its second run too
+    verdicts: list[Verdict] = list(run(select([], "quick", [f"{file}:Engine"]), 0, 1))
+    assert sorted(verdict.outcome for verdict in verdicts) == ["error", "pass", "pass"]
+    (error,) = (verdict for verdict in verdicts if verdict.outcome == "error")
+    assert "was killed by signal 9" in error.message
+
+
+def test_workers_are_ended_with_the_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    file = tmp_path / "engine.py"
+    file.write_text(MORTAL.replace('return "1"', "return str(os.getpid())"))
+    processes = []
+
+    def ask(laboratory: Laboratory, variant: str) -> Judgement:
+        processes.append(int(laboratory.pool.worker(laboratory.engine).version()))
+        return passed(laboratory, variant)
+
+    offer(monkeypatch, check("a/b", ask, variants=fixed("1", "2", "3")))
+    list(run(select([], "quick", [f"{file}:Engine"]), 0, 1))
+    assert len(set(processes)) == 1  # one worker a thread, kept from case to case
+    assert not Path(f"/proc/{processes[0]}").exists()

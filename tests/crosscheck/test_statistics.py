@@ -1,0 +1,105 @@
+"""Error bars of correlated series against what repeated series scatter by, and fitted slopes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from crosscheck.statistics import correlated_mean, fitted_order
+
+
+def autoregressive(rho: float, count: int, length: int, seed: int) -> np.ndarray:
+    """Stationary series x' = rho x + noise of variance 1, shape (count, length)."""
+    from scipy.signal import lfilter
+
+    rng = np.random.default_rng(seed)
+    noise = rng.normal(size=(count, length)) * (1 - rho**2) ** 0.5
+    noise[:, 0] /= (1 - rho**2) ** 0.5
+    return lfilter([1.0], [1.0, -rho], noise, axis=1)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.9])
+def test_error_bars_cover_the_true_mean(rho: float) -> None:
+    """One sigma covers 68.3 % of the time, two 95.4 %; +- 4 standard deviations of a count of 300, and the bias."""
+    means = [correlated_mean(series) for series in autoregressive(rho, 300, 4000, seed=1)]
+    z = np.array([mean.value / mean.error for mean in means])
+    for sigmas, nominal in ((1, 0.683), (2, 0.954)):
+        scatter = (nominal * (1 - nominal) / 300) ** 0.5
+        assert np.mean(abs(z) < sigmas) == pytest.approx(nominal, abs=4 * scatter)
+    # var(mean) = (1 + rho)/(1 - rho)/n
+    expected = ((1 + rho) / (1 - rho) / 4000) ** 0.5
+    assert np.mean([mean.error for mean in means]) == pytest.approx(expected, rel=0.05)
+    assert np.mean([mean.independent for mean in means]) == pytest.approx(4000 * (1 - rho) / (1 + rho), rel=0.1)
+
+
+def test_white_noise_has_the_textbook_error() -> None:
+    x = np.random.default_rng(2).normal(3.0, 2.0, 100_000)
+    mean = correlated_mean(x)
+    assert mean.value == x.mean()
+    assert mean.error == pytest.approx(2 / 100_000**0.5, rel=0.05)
+    assert mean.independent == pytest.approx(100_000, rel=0.05)
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0, 0.1, -1e300, 1e-300])
+def test_constant_series_has_no_error(value: float) -> None:
+    assert correlated_mean(np.full(1000, value)) == (value, 0.0, 1000.0)
+
+
+@given(
+    arrays(float, st.integers(4, 60), elements=st.floats(-100, 100).map(lambda x: round(x, 3))),
+    st.sampled_from([0.25, 0.5, 2.0, 8.0]),
+    st.sampled_from([-64.0, 0.0, 16.0]),
+)
+def test_error_follows_scale_and_shift(x: np.ndarray, scale: float, shift: float) -> None:
+    one, two = correlated_mean(x), correlated_mean(scale * x + shift)
+    assert two.value == pytest.approx(scale * one.value + shift, abs=1e-10)
+    assert two.error == pytest.approx(scale * one.error, rel=1e-6, abs=1e-10)
+    assert 0 < one.independent <= x.size
+
+
+@pytest.mark.parametrize("x", [[], [1.0, 2.0, 3.0], [1.0, 2.0, 3.0, np.nan], [1.0, 2.0, 3.0, np.inf]])
+def test_too_few_or_broken_values_are_refused(x: list[float]) -> None:
+    with pytest.raises(ValueError, match="at least 4 finite values"):
+        correlated_mean(x)
+
+
+# -- orders ------------------------------------------------------------------------------------------
+
+
+@given(order=st.floats(0.5, 8), factor=st.floats(1e-3, 1e3), permutation=st.permutations(range(5)))
+def test_a_power_law_gives_its_exponent(order: float, factor: float, permutation: list[int]) -> None:
+    steps = 0.1 * 2.0 ** -np.array(permutation)
+    slope = fitted_order(steps, factor * steps**order, floor=0.0)
+    assert slope.value == pytest.approx(order, abs=1e-9)
+    assert slope.error < 1e-9
+    assert slope.used == 3
+
+
+def test_points_at_the_floor_and_broken_ones_are_left_out() -> None:
+    steps = np.array([0.8, 0.4, 0.2, 0.1, 0.05, 0.025])
+    errors = steps**4
+    errors[3], errors[4], errors[5] = 1e-15, 1e-14, np.inf
+    slope = fitted_order(steps, errors, floor=1e-14)
+    assert slope.value == pytest.approx(4, abs=1e-12)
+
+
+def test_the_smallest_steps_are_fitted() -> None:
+    steps = 0.5 ** np.arange(8)
+    slope = fitted_order(steps, steps**2 * (1 + steps), floor=0.0)
+    assert slope.value == pytest.approx(2, abs=0.03)
+    assert slope.error < 0.01
+
+
+def test_error_is_the_departure_of_the_local_slopes() -> None:
+    # local slopes 1 and 3
+    slope = fitted_order([1.0, 2.0, 4.0], [1.0, 2.0, 16.0], floor=0.0)
+    assert slope.value == pytest.approx(2)
+    assert slope.error == pytest.approx(1)
+
+
+def test_too_few_points_are_refused() -> None:
+    with pytest.raises(ValueError, match="3 points above the rounding floor 1e-10, found 2"):
+        fitted_order([1.0, 0.5, 0.25], [1e-2, 1e-4, 1e-10], floor=1e-10)

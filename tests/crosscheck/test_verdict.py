@@ -1,0 +1,210 @@
+"""Each criterion at, just inside and just outside its tolerance; what cannot be judged is never a pass."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import binom
+
+from crosscheck.convergence import worst
+from crosscheck.verdict import (
+    FALSE_ALARM,
+    Figure,
+    Judgement,
+    Series,
+    Verdict,
+    bounded,
+    order,
+    round_off,
+    statistical,
+    within,
+)
+
+finite = st.floats(-1e6, 1e6)
+
+
+def judged(measured: float, expected: float = 0.0, samples: float = 1e6, **more: Any) -> Judgement:
+    """A statistical judgement with an error bar of 1."""
+    return statistical("x", measured, 1.0, expected, 0.0, "why", samples=samples, **more)
+
+
+# -- within --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("measured", "outcome"),
+    [
+        (2.5, "pass"),
+        (1.5, "pass"),
+        (np.nextafter(2.5, 3), "fail"),
+        (np.nextafter(1.5, 1), "fail"),
+        (np.nextafter(2.5, 2), "pass"),
+        (math.nan, "fail"),
+        (math.inf, "fail"),
+        (-math.inf, "fail"),
+    ],
+)
+def test_within(measured: float, outcome: str) -> None:
+    judgement = order("slope", measured, 2.0, 0.5, "why")
+    assert judgement.outcome == outcome
+    assert judgement.criterion.kind == "order"
+    assert (judgement.deviation > 1) == (outcome == "fail")
+
+
+@given(measured=finite, expected=finite, tolerance=st.floats(1e-6, 1e6))
+def test_red_is_a_deviation_above_one(measured: float, expected: float, tolerance: float) -> None:
+    judgement = within("round_off", "x", measured, expected, tolerance, "why")
+    assert (judgement.outcome == "fail") == (judgement.deviation > 1)
+    relative = tolerance / abs(expected) if expected else tolerance
+    assert judgement.sensitivity == relative
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, math.nan])
+def test_a_tolerance_is_positive(tolerance: float) -> None:
+    with pytest.raises(ValueError, match="tolerance of 'x' must be positive"):
+        round_off("x", 0.0, tolerance, "why")
+
+
+# -- bounds --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "measured", "outcome"),
+    [
+        ({}, 2.0, "pass"),
+        ({}, np.nextafter(2.0, 3), "fail"),
+        ({}, -5.0, "pass"),
+        ({}, math.nan, "fail"),
+        ({"at_least": True}, 2.0, "pass"),
+        ({"at_least": True}, np.nextafter(2.0, 1), "fail"),
+        ({"at_least": True}, 0.0, "fail"),
+        ({"at_least": True}, -5.0, "fail"),
+        ({"at_least": True}, math.nan, "fail"),
+        ({"expected_failure": True}, 3.0, "pass"),
+        ({"expected_failure": True}, 1.0, "fail"),
+        ({"expected_failure": True}, math.nan, "fail"),
+        ({"expected_failure": True}, math.inf, "pass"),
+    ],
+)
+def test_bounded(options: dict[str, bool], measured: float, outcome: str) -> None:
+    judgement = bounded("x", measured, 2.0, "why", **options)
+    assert judgement.outcome == outcome
+    assert judgement.criterion.kind == ("expected_failure" if "expected_failure" in options else "bound")
+    assert (judgement.deviation > 1) == (outcome == "fail")
+
+
+@given(measured=finite, limit=finite, at_least=st.booleans())
+def test_red_bounds_deviate_by_more_than_one(measured: float, limit: float, at_least: bool) -> None:
+    judgement = bounded("x", measured, limit, "why", at_least=at_least)
+    assert judgement.outcome == ("pass" if (measured >= limit if at_least else measured <= limit) else "fail")
+    if judgement.outcome == "fail":
+        assert judgement.deviation >= 1
+    else:
+        assert judgement.deviation <= 1
+
+
+# -- statistics ----------------------------------------------------------------------------------------
+
+
+def test_statistical_at_the_quantile() -> None:
+    # two-sided quantile of the normal distribution for 1e-4
+    quantile = 3.890592
+    assert judged(quantile - 1e-3).outcome == "pass"
+    assert judged(-quantile - 1e-3).outcome == "fail"
+    assert judged(quantile + 1e-3).deviation == pytest.approx(quantile + 1e-3)
+
+
+def test_both_error_bars_count() -> None:
+    judgement = statistical("x", 10.0, 3.0, 5.0, 4.0, "why", samples=100)
+    assert judgement.deviation == 1
+    assert judgement.deviation_unit == "sigma"
+    assert judgement.sensitivity == pytest.approx(judgement.criterion.tolerance / 5)
+
+
+def test_false_alarms_are_as_rare_as_stated() -> None:
+    """1e5 right codes: the number of red ones within the central 99.99 % of the binomial distribution."""
+    draws = np.random.default_rng(5).normal(size=100_000)
+    # the outcome is that of |z|: only the tail has to be asked
+    red = sum(judged(float(z)).outcome == "fail" for z in draws[abs(draws) > 3])
+    assert all(judged(z).outcome == "pass" for z in (-3.0, 0.0, 3.0))
+    low, high = binom.interval(0.9999, draws.size, FALSE_ALARM)
+    assert low <= red <= high
+
+
+def test_false_alarms_with_few_samples() -> None:
+    """Means of 12 normal numbers with their own error bars: Student's t, not the normal distribution."""
+    draws = np.random.default_rng(6).normal(size=(100_000, 12))
+    means, errors = draws.mean(axis=1), draws.std(axis=1, ddof=1) / 12**0.5
+    suspicious = np.flatnonzero(abs(means) > 3 * errors)
+    red = sum(
+        statistical("x", float(means[i]), float(errors[i]), 0.0, 0.0, "why", samples=12).outcome == "fail"
+        for i in suspicious
+    )
+    low, high = binom.interval(0.9999, len(draws), FALSE_ALARM)
+    assert low <= red <= high
+
+
+@pytest.mark.parametrize("measured", [0.0, 1e9])
+def test_few_samples_decide_nothing(measured: float) -> None:
+    assert judged(measured, samples=9.9).outcome == "inconclusive"
+    assert judged(measured, samples=10).outcome == ("fail" if measured else "pass")
+
+
+def test_what_could_not_have_been_seen_is_no_pass() -> None:
+    assert judged(100.0, 100.0, needed=0.05).outcome == "pass"
+    assert judged(100.0, 100.0, needed=0.03).outcome == "inconclusive"
+    assert judged(200.0, 100.0, needed=0.03).outcome == "fail"
+
+
+@pytest.mark.parametrize("samples", [2, 100])
+@pytest.mark.parametrize(
+    ("measured", "uncertainty"), [(math.nan, 1.0), (1.0, math.nan), (math.inf, 1.0), (1.0, math.inf), (1.0, 0.0)]
+)
+def test_numbers_that_are_broken_fail(measured: float, uncertainty: float, samples: int) -> None:
+    judgement = statistical("x", measured, uncertainty, 2.0, 0.0, "why", samples=samples)
+    if uncertainty == 0 and samples < 10:
+        assert judgement.outcome == "inconclusive"
+    else:
+        assert judgement.outcome == "fail"
+
+
+def test_an_exact_value_without_error_passes() -> None:
+    assert statistical("x", 2.0, 0.0, 2.0, 0.0, "why", samples=100).outcome == "pass"
+
+
+# -- the worst of several ------------------------------------------------------------------------------
+
+
+def test_a_broken_number_is_the_worst() -> None:
+    good, broken = (round_off("x", error, 1.0, "why") for error in (0.9, math.nan))
+    for pair in ([good, broken], [broken, good]):
+        assert worst(pair, "").outcome == "fail"
+
+
+# -- the record ----------------------------------------------------------------------------------------
+
+
+@given(value=st.sampled_from([math.nan, math.inf, -math.inf, 1.5, np.float64(2), np.int64(3), np.bool_(True)]))
+def test_record_is_strict_json(value: Any) -> None:
+    curve = Series("a", [1.0, value], np.array([2.0, math.nan]))
+    judgement = round_off("x", value, 1.0, "why", uncertainty=value, figures=(Figure("t", "x", "y", series=(curve,)),))
+    record = Verdict("a/b", "refimpl", judgement.outcome, judgement, "", {"seconds": value}).as_record()
+    again = json.loads(json.dumps(record, allow_nan=False))
+    assert again["measured"] == (float(value) if math.isfinite(value) else None)
+    assert again["figures"][0]["series"][0]["y"] == [2.0, None]
+
+
+def test_a_verdict_without_judgement_has_all_keys() -> None:
+    judgement = round_off("x", 0.0, 1.0, "why")
+    with_one = Verdict("a/b", "refimpl", "pass", judgement, "").as_record()
+    without = Verdict("a/b", "refimpl", "error", None, "it broke").as_record()
+    assert with_one.keys() == without.keys()
+    assert without["measured"] is None
+    assert without["outcome"] == "error"
+    assert with_one["outcome"] == "pass"
