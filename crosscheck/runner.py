@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
+from itertools import groupby, zip_longest
 from pathlib import Path
 
 from crosscheck.checks import all_checks
@@ -114,6 +115,12 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
     return Verdict(case.name, case.engine, outcome, judgement, message, cost)
 
 
+def _interleaved(cases: list[Case]) -> list[Case]:
+    """One case of each check in turn: neighbours seldom wait for the compilation of the same kernel."""
+    by_check = [list(group) for _, group in groupby(cases, key=lambda case: case.check)]
+    return [case for turn in zip_longest(*by_check) for case in turn if case is not None]
+
+
 def run(
     cases: list[Case],
     seed: int,
@@ -134,7 +141,7 @@ def run(
     pool = executor or ThreadPoolExecutor(jobs)
     futures: list[Future[Verdict]] = []
     try:
-        parallel = [case for case in cases if not case.timing]
+        parallel = _interleaved([case for case in cases if not case.timing])
         futures = [pool.submit(work, c) if own else pool.submit(judge, c, seed) for c in parallel]
         for future in as_completed(futures):
             yield future.result()

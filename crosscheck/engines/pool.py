@@ -55,11 +55,10 @@ class Worker:
     def run(self, scene: Scene, method: Method) -> Run:
         """Raises EngineMissing, Unsupported, UsageError, or EngineError with the engine's last lines."""
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
-        reason = self._ask({"call": "supports", **texts})["reason"]
-        if reason is not None:
-            raise Unsupported(f"{self.engine}: {reason}")
         path = Path(self._directory.name) / "run.npz"
         reply = self._ask({"call": "run", "path": str(path), **texts})
+        if "unsupported" in reply:
+            raise Unsupported(f"{self.engine}: {reply['unsupported']}")
         with np.load(path) as arrays:
             fields = dict(arrays)
         path.unlink()

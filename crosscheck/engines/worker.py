@@ -29,8 +29,11 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
         return {"version": engine.version()}
     scene = Scene.from_json(request["scene"])
     method = Method.model_validate_json(request["method"])
+    reason = engine.supports(scene, method)
     if request["call"] == "supports":
-        return {"reason": engine.supports(scene, method)}
+        return {"reason": reason}
+    if reason is not None:
+        return {"unsupported": reason}
     run = engine.run(scene, method)
     _check(run, scene, method)
     arrays = {f.name: getattr(run, f.name) for f in dataclasses.fields(run) if f.name not in ("diverged", "cost")}

@@ -200,7 +200,9 @@ def draw(panel: Panel, numbers: dict[str, int], prefix: str) -> Drawing:
     markers = _markers(panel.engines)
     height = _TALL if len(panel.curves) > _CROWD else _HEIGHT
     with matplotlib.rc_context(style):
-        figure = Figure(figsize=(_WIDTH / 72, height / 72), layout="constrained", facecolor="none")
+        figure = Figure(figsize=(_WIDTH / 72, height / 72), facecolor="none")
+        # margins that hold two lines of either label: a layout engine would double the time
+        figure.subplots_adjust(left=84 / _WIDTH, right=1 - 12 / _WIDTH, bottom=58 / height, top=1 - 12 / height)
         FigureCanvasSVG(figure)
         axes = figure.add_subplot(facecolor="none")
         _prepare(axes, panel)
