@@ -90,8 +90,8 @@ def _oscillator_floor(scheme: str, steps: float) -> float:
 _EVALUATIONS = Fault(
     "evaluations-of-the-start",
     "stepping/integrate.py",
-    "evaluations = table.start_evaluations + done * table.evaluations",
-    "evaluations = done * table.evaluations",
+    "evaluations=table.start_evaluations + done * table.evaluations",
+    "evaluations=done * table.evaluations",
     "the evaluations of the start are not counted",
 )
 _ECCENTRICITY = 0.5

@@ -67,12 +67,12 @@ def pair_sum(scene: Scene) -> PairSum:
         energy = energy - at_cutoff - (r - lj.cutoff) * slope_at_cutoff
         slope = slope - slope_at_cutoff
     vectors = (-slope / r)[:, None] * difference
-    forces, scale = np.zeros_like(x), np.zeros(scene.number)
+    forces = np.zeros_like(x)
     for axis in range(d):
         forces[:, axis] = np.bincount(i, vectors[:, axis], scene.number) - np.bincount(
             j, vectors[:, axis], scene.number
         )
-    scale = np.bincount(i, abs(slope), scene.number) + np.bincount(j, abs(slope), scene.number)
+    scale: Floats = np.bincount(i, abs(slope), scene.number) + np.bincount(j, abs(slope), scene.number)
     total, wall_scale = float(energy.sum()), 0.0
     if scene.box is not None and scene.box.wall is not None:
         wall_energy, wall_forces = _walls(scene, x)

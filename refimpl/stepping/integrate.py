@@ -173,6 +173,14 @@ def integrate(
         if larger is not None:
             force, outcome = larger, GOOD
     diverged = outcome == DIVERGED or not bool(np.isfinite(r).all() and np.isfinite(v).all())
-    evaluations = table.start_evaluations + done * table.evaluations
-    frames = (positions, velocities) if trajectory else (None, None)
-    return Integration(r, v, done, diverged, *frames, energies, evaluations, force)
+    return Integration(
+        r=r,
+        v=v,
+        steps=done,
+        diverged=diverged,
+        positions=positions if trajectory else None,
+        velocities=velocities if trajectory else None,
+        thermo=energies,
+        evaluations=table.start_evaluations + done * table.evaluations,
+        force=force,
+    )

@@ -243,6 +243,9 @@ def test_exploding_fluid_diverges(lammps: Worker) -> None:
     np.testing.assert_array_equal(np.isnan(run.positions).all(axis=(1, 2)), np.isnan(run.potential_energy))
 
 
+PAIR = Explicit(positions=((0.0, 0.0), (1.0, 0.0)))
+
+
 # -- what it refuses, and how it fails -------------------------------------------------------------
 
 
@@ -251,7 +254,8 @@ def test_exploding_fluid_diverges(lammps: Worker) -> None:
     [
         (oscillator(), "beeman", "no scheme 'beeman'"),
         (oscillator(output=Output(interval=0.1, observables=("virial",))), "velocity_verlet", "no virial"),
-        (oscillator(masses=(1.0, 0.0)), "velocity_verlet", "positive masses"),
+        (oscillator(dimension=2, spring=None, gravity=Gravity(), masses=(1.0, 0.0), initial=PAIR), "velocity_verlet",
+         "positive masses"),
         (fluid(masses=tuple(np.arange(1.0, 71.0)), species=(0, 1) * 35), "velocity_verlet", None),
         (fluid(initial=explicit(np.arange(303.0).reshape(101, 3), np.zeros((101, 3))),
                masses=tuple(np.arange(1.0, 102.0))), "velocity_verlet", "at most 100"),
