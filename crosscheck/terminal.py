@@ -26,7 +26,7 @@ from crosscheck.engines.pool import Worker
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
-from crosscheck.record import Line, Record, finished, provenance, read
+from crosscheck.record import FILE, Line, Record, finished, provenance, read
 from crosscheck.verdict import Verdict
 
 _COLOURS = {
@@ -172,10 +172,14 @@ def run(
     cases = runner.select(patterns, tier, engine_list or engine_names())
     directory = resume or out
     if resume is not None:
-        done = finished(read(resume))
+        before = read(resume)
+        if any(line["provenance"]["seed"] != seed for line in before):
+            raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start anew")
+        done = finished(before)
         cases = [case for case in cases if (case.name, case.engine) not in done]
-    elif (directory / "record.jsonl").exists():
-        (directory / "record.jsonl").unlink()
+    elif (directory / FILE).exists():
+        # an interrupted run that was not resumed is kept once
+        (directory / FILE).replace(directory / f"previous-{FILE}")
     record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
     display = _Display(len(cases))
     started = time.perf_counter()
