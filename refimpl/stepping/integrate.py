@@ -14,11 +14,10 @@ from refimpl.stepping.forces.generic import (
     GOOD,
     NEEDS_CAPACITY,
     accelerate,
+    energy_and_virial,
     enlarge,
     kinetic_energy,
-    potential_energy,
     status,
-    virial,
 )
 from refimpl.stepping.schemes import SCHEMES, Memory, State
 
@@ -53,8 +52,7 @@ def _advance(scheme, force, r, v, memory, dt, first, last, every, positions, vel
                 velocities[sample] = v_new
             if thermo is not None:
                 thermo[sample, 0] = kinetic_energy(force, v_new)
-                thermo[sample, 1] = potential_energy(force, r_new)
-                thermo[sample, 2] = virial(force, r_new)
+                thermo[sample, 1], thermo[sample, 2] = energy_and_virial(force, r_new)
                 # not every scheme has had the force at r_new before
                 if status(force) == NEEDS_CAPACITY:
                     return r, v, memory, number - 1, NEEDS_CAPACITY
@@ -73,7 +71,7 @@ def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, 
 
 def thermo_now(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[float, float, float]:
     """Kinetic energy, potential energy and virial of one state."""
-    return kinetic_energy(force, v), potential_energy(force, r), virial(force, r)
+    return kinetic_energy(force, v), *energy_and_virial(force, r)
 
 
 def _enlarged(force: Any, r: np.ndarray, v: np.ndarray, outcome: int) -> Any | None:

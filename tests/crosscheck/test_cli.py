@@ -247,10 +247,19 @@ def test_resuming_repeats_errors(crosscheck: Any, finished_run: Any, tmp_path: P
     assert done.status == 0
 
 
-def test_a_new_run_replaces_the_record(crosscheck: Any, finished_run: Any, tmp_path: Path) -> None:
+def test_resuming_with_another_seed_is_refused(crosscheck: Any, finished_run: Any, tmp_path: Path) -> None:
+    (tmp_path / "record.jsonl").write_bytes((finished_run[0] / "record.jsonl").read_bytes())
+    done = crosscheck("run", CASE, "-e", "refimpl", "--seed", 5, "--resume", tmp_path)
+    assert done.status == 2
+    assert "another seed" in done.err
+
+
+def test_a_new_run_keeps_the_old_record_aside(crosscheck: Any, finished_run: Any, tmp_path: Path) -> None:
     (tmp_path / "record.jsonl").write_bytes((finished_run[0] / "record.jsonl").read_bytes())
     assert crosscheck("run", CASE, "-e", "refimpl", "-o", tmp_path).status == 0
     assert [line["check"] for line in read(tmp_path)] == [CASE]
+    aside = (tmp_path / "previous-record.jsonl").read_bytes()
+    assert aside == (finished_run[0] / "record.jsonl").read_bytes()
 
 
 def test_errors_are_status_1(crosscheck: Any, tmp_path: Path) -> None:

@@ -86,6 +86,12 @@ def virial(force: Any, r: np.ndarray) -> float:
 
 
 @_question
+def energy_and_virial(force: Any, r: np.ndarray) -> tuple[float, float]:
+    """U(r) and W(r) together: a force that finds both in one pass over its pairs answers this too."""
+    return potential_energy(force, r), virial(force, r)
+
+
+@_question
 def derivatives(force: Any, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
     """The time derivatives r_3, r_4, ... of the coordinates, shape (count, N*d); zeros where they are not known."""
     return np.zeros((count, r.size))
@@ -121,6 +127,11 @@ def _kinetic_energy(force: Any, v: Any) -> Any:
 @overload(virial, inline="never", strict=False)
 def _virial(force: Any, r: Any) -> Any:
     return _compiled_answer(virial, force)
+
+
+@overload(energy_and_virial, inline="never", strict=False)
+def _energy_and_virial(force: Any, r: Any) -> Any:
+    return _compiled_answer(energy_and_virial, force)
 
 
 @overload(derivatives, inline="never", strict=False)

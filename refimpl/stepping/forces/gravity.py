@@ -14,6 +14,7 @@ from refimpl.stepping.forces.generic import (
     GOOD,
     accelerate,
     answers,
+    energy_and_virial,
     kinetic_energy,
     potential_energy,
     status,
@@ -152,6 +153,11 @@ def _energy_and_virial(
 @answers(accelerate, Gravity)
 def _accelerate(force: Gravity, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     return _acceleration(r, force.mass, force.z, force.G, force.softening, force.outcome)
+
+
+@answers(energy_and_virial, Gravity)
+def _energies(force: Gravity, r: np.ndarray) -> tuple[float, float]:
+    return _energy_and_virial(r, force.mass, force.z, force.G, force.softening)
 
 
 @answers(potential_energy, Gravity)

@@ -30,6 +30,7 @@ from refimpl.stepping.forces.generic import (
     GOOD,
     accelerate,
     answers,
+    energy_and_virial,
     enlarge,
     kinetic_energy,
     potential_energy,
@@ -421,6 +422,12 @@ def _pair_sums(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
         force.shift_energy,
         force.shift_force,
     )
+
+
+@answers(energy_and_virial, LennardJones)
+def _energies(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
+    energy, work = _pair_sums(force, r)
+    return energy + _wall_energy(force.walls, force.neighbours.sides, force.lengths, r), work
 
 
 @answers(potential_energy, LennardJones)
