@@ -39,8 +39,10 @@ _COLOURS = {
 
 
 def _console() -> Console:
-    # on a pipe there is no terminal to measure: wide lines, which the reader's own tools can cut
-    return Console(soft_wrap=False) if sys.stdout.isatty() else Console(width=200)
+    # the table needs its width: a narrow terminal wraps whole lines, which is easier to read than folded names; on a
+    # pipe there is nothing to measure
+    console = Console()
+    return Console(width=max(console.width, 140) if sys.stdout.isatty() else 200)
 
 
 def list_checks(as_json: bool) -> None:
