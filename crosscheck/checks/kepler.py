@@ -11,8 +11,7 @@ from crosscheck.checks.base import Check, Laboratory, Variants, schemes_with
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, Limit, extrapolate, worst
 from crosscheck.engines.base import Claims, Run
 from crosscheck.faults import Fault
-from crosscheck.references import kepler
-from crosscheck.references.kepler import EPSILON
+from crosscheck.references import EPSILON, kepler
 from crosscheck.scene import Floats, Gravity, Kepler, Method, Output, Scene
 from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Figure, Judgement, Series, bounded, order, round_off, within

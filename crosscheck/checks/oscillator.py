@@ -10,7 +10,7 @@ from crosscheck.checks.base import Check, Laboratory, schemes_with
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, worst
 from crosscheck.engines.base import Claims, Run
 from crosscheck.faults import Fault
-from crosscheck.references import oscillator
+from crosscheck.references import EPSILON, oscillator
 from crosscheck.scene import Explicit, Floats, Method, Output, Scene, Spring
 from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Figure, Judgement, Series, order, round_off
@@ -28,7 +28,6 @@ REGIMES: dict[str, tuple[float | None, float, float, float]] = {
     "over-damped": (2 * CRITICAL, 1.0, 1.0, 0.7 * OMEGA0),
 }
 SAMPLES = 10
-EPSILON = float(np.finfo(np.float64).eps)
 
 
 def oscillator_scene(regime: str, samples: int = SAMPLES) -> Scene:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, schemes_with
-from crosscheck.checks.oscillator import EPSILON, has_matrix
+from crosscheck.checks.oscillator import has_matrix
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
-from crosscheck.references import oscillator
+from crosscheck.references import EPSILON, oscillator
 from crosscheck.scene import Explicit, Floats, Gravity, Kepler, Method, Output, Scene, Spring, explicit
 from crosscheck.verdict import Figure, Judgement, Series, bounded, within
 

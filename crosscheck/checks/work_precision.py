@@ -18,8 +18,7 @@ from crosscheck.checks.oscillator import MASS, OMEGA0, STIFFNESS
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, worst
 from crosscheck.engines.base import Claims, Run
 from crosscheck.faults import Fault
-from crosscheck.references import lennard_jones, oscillator
-from crosscheck.references.kepler import EPSILON
+from crosscheck.references import EPSILON, lennard_jones, oscillator
 from crosscheck.scene import Box, Explicit, Floats, Lattice, LennardJones, Method, Output, Scene, Spring, explicit
 from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Figure, Judgement, Series, order, round_off

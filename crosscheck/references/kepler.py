@@ -18,8 +18,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crosscheck.references import EPSILON
+
 Floats = NDArray[np.float64]
-EPSILON = float(np.finfo(np.float64).eps)
 
 
 # -- the orbit ---------------------------------------------------------------------------------------------------------

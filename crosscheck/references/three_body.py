@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.references import EPSILON
+
 Floats = NDArray[np.float64]
-EPSILON = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
