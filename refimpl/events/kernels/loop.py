@@ -1,0 +1,589 @@
+"""The event loop: cells, asynchronous clocks, prediction, and the rules at each event (SPEC E10-E13).
+
+rows (N, 8): x 0-2, v 3-5 and own time 6 of the last change of state, time of the next pair event 7: one cache line.
+ints (N, 8): partner, its count, own collision count, cell 3-5, kind of the own event 6, streak 7. own (N,): time of the
+next event that concerns the particle alone: a wall, or the edge of its cell.
+
+A pair's time is computed from the two states at the later of their own times. It is thus a function of these states
+alone, and the same to the last bit whoever computes it and whenever: every scheduler gives the same events. For this a
+shift by a period must be exact: positions are multiples of `Grid.quantum`.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refimpl.events.compiled import kernel, leaf
+from refimpl.events.kernels.measure import (
+    note_crossing,
+    note_drum,
+    note_pair_after,
+    note_pair_before,
+    note_wall_after,
+    note_wall_before,
+    note_well,
+)
+from refimpl.events.kernels.memory import prefetch
+from refimpl.events.kernels.schedule import (
+    CELL,
+    COUNT,
+    CROSSINGS,
+    INVALID,
+    NEXT,
+    OWN,
+    PARTNER,
+    PARTNER_COUNT,
+    PREDICTIONS,
+    SPEED,
+    STREAK,
+    TIME,
+    WALL_EVENTS,
+    add,
+    first,
+    forget,
+    has_room,
+    keeps_all,
+    pop,
+    tick,
+    update,
+)
+from refimpl.events.model import AMPLITUDE, OSCILLATING
+from refimpl.events.prediction import (
+    NEAR,
+    NEVER,
+    bonded,
+    contact_distance,
+    drift,
+    drum_time,
+    falling_time,
+    nearest,
+    pair_time,
+    pull,
+    radius_of,
+    rests,
+    speed_after,
+    wall_time,
+)
+from refimpl.events.rules import (
+    at_drum,
+    at_plane,
+    bind,
+    in_contact_still,
+    is_fixed,
+    kick,
+    normal_restitution,
+    pair_impulse,
+    reduced_mass,
+    unbind,
+    well_velocity,
+)
+
+#: Why the loop returned.
+REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL = range(8)
+#: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the drum; the start, for all anew.
+WALL, DRUM, WAKE = 8, 16, 17
+#: So many collisions in a row, each a rounding of time after the one before, are a collapse.
+COLLAPSE = 2000
+#: Entries of `progress`.
+PAIRS, EVENTS, CHANGES, FIRST, SECOND = range(5)
+
+
+class Grid(NamedTuple):
+    """counts, sides, overlaps, wraps: of the cells along three axes. shifts: (27, 3) periods. quantum: of positions.
+
+    A particle changes its cell only `overlaps` beyond the edge, so that it does not hop to and fro; two particles that
+    are not in neighbouring cells are still further apart than the contact range.
+    """
+
+    counts: Any
+    sides: Any
+    overlaps: Any
+    wraps: Any
+    shifts: Any
+    quantum: float
+
+
+class Particles(NamedTuple):
+    """rows, ints, own as above. images: (N, 3) periods left behind. cells: (number, 1 + slots). spins: (N, 3) | None.
+
+    bonds: (N, 1 + slots) partners inside the well | None.
+    """
+
+    rows: Any
+    ints: Any
+    own: Any
+    images: Any
+    cells: Any
+    spins: Any
+    bonds: Any
+
+
+class Trace(NamedTuple):
+    """Changes of state in order: time (length,), who (length, 2): the partner, or -1 - face; filled: (1,)."""
+
+    time: Any
+    who: Any
+    filled: Any
+
+
+class Scratch(NamedTuple):
+    """Buffers of one prediction: ids (slots,), codes of their shifts (slots,), numbers (slots, 4)."""
+
+    ids: Any
+    codes: Any
+    numbers: Any
+
+
+# -- relative motion -------------------------------------------------------------------------------
+
+
+@leaf
+def _relative_position(gap: float, vi: float, vj: float, s: float, acceleration: Any, k: int) -> float:
+    """r_j - r_i when the later of the two states was taken; s = tau_i - tau_j: the earlier one flies on for |s|."""
+    if acceleration is None:
+        return gap + (vj * max(s, 0.0) + vi * min(s, 0.0))
+    return gap + (vj * max(s, 0.0) + vi * min(s, 0.0)) + 0.5 * acceleration[k] * (s * abs(s))
+
+
+@leaf
+def _relative_speed(vi: float, vj: float, s: float, acceleration: Any, k: int) -> float:
+    if acceleration is None:
+        return vj - vi
+    return (vj - vi) + acceleration[k] * s
+
+
+@leaf
+def _quantised(x: float, quantum: float) -> float:
+    big = 6755399441055744.0 * quantum  # 1.5 2^52
+    return (x + big) - big
+
+
+@leaf
+def _bring(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
+    """Moves a particle's state to the present."""
+    s = now - rows[i, TIME]
+    for k in range(len(model.lengths)):
+        rows[i, k] = _quantised(drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s), grid.quantum)
+        rows[i, SPEED + k] = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
+    rows[i, TIME] = now
+
+
+# -- square wells ----------------------------------------------------------------------------------
+
+
+@leaf
+def _reach(well: Any) -> float:
+    if well is None:
+        return 1.0
+    return well.range
+
+
+@leaf
+def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
+    """Whether a pair may have an event before `within`; without branches."""
+    if well is None:
+        return (b < 0.0) & (disc > 0.0) & (c < -2.0 * b * within)
+    return (edge < NEAR) | ((b < 0.0) & (disc_edge > 0.0))
+
+
+# -- prediction ------------------------------------------------------------------------------------
+
+
+@leaf
+def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
+    """Finds the events of particle i with those in the cells about it, and gives them to the store.
+
+    layer: a face of its cell beyond which alone to look, or -1 for all cells about it. Three passes without
+    unpredictable branches: gather the numbers of the neighbours; relative motion of all, and which of them matter;
+    times of those.
+    """
+    rows, cells = particles.rows, particles.cells
+    ids, codes, numbers = scratch.ids, scratch.codes, scratch.numbers
+    acceleration, radii, diameter, well = model.acceleration, model.radii, model.diameter, model.well
+    nx, ny, nz = grid.counts
+    cx, cy, cz = particles.ints[i, CELL], particles.ints[i, CELL + 1], particles.ints[i, CELL + 2]
+    deep = len(model.lengths) - 2
+    x0, x1 = cx - (layer != 1), cx + (layer != 0)
+    y0, y1 = cy - (layer != 3), cy + (layer != 2)
+    z0, z1 = cz - deep * (layer != 5), cz + deep * (layer != 4)
+    if layer >= 0:
+        x0, x1 = (x1, x1) if layer == 1 else ((x0, x0) if layer == 0 else (x0, x1))
+        y0, y1 = (y1, y1) if layer == 3 else ((y0, y0) if layer == 2 else (y0, y1))
+        z0, z1 = (z1, z1) if layer == 5 else ((z0, z0) if layer == 4 else (z0, z1))
+    inner = (x0 >= 0) & (y0 >= 0) & (z0 >= 0) & (x1 < nx) & (y1 < ny) & (z1 < nz)
+    p = 0
+    if inner:
+        for kz in range(z0, z1 + 1):
+            for ky in range(y0, y1 + 1):
+                row = (kz * ny + ky) * nx
+                for kx in range(x0, x1 + 1):
+                    cell = row + kx
+                    held = cells[cell, 0]
+                    ids[p] = cells[cell, 1]
+                    ids[p + 1] = cells[cell, 2]
+                    ids[p + 2] = cells[cell, 3]
+                    if held > 3:
+                        for slot in range(4, held + 1):
+                            ids[p + slot - 1] = cells[cell, slot]
+                    p += held
+    else:
+        if not grid.wraps[0]:
+            x0, x1 = max(x0, 0), min(x1, nx - 1)
+        if not grid.wraps[1]:
+            y0, y1 = max(y0, 0), min(y1, ny - 1)
+        if not grid.wraps[2]:
+            z0, z1 = max(z0, 0), min(z1, nz - 1)
+        for kz in range(z0, z1 + 1):
+            sz = -1 if kz < 0 else (1 if kz >= nz else 0)
+            for ky in range(y0, y1 + 1):
+                sy = -1 if ky < 0 else (1 if ky >= ny else 0)
+                row = ((kz - sz * nz) * ny + (ky - sy * ny)) * nx
+                for kx in range(x0, x1 + 1):
+                    sx = -1 if kx < 0 else (1 if kx >= nx else 0)
+                    cell = row + (kx - sx * nx)
+                    code = (sx + 1) + 3 * (sy + 1) + 9 * (sz + 1)
+                    for slot in range(1, cells[cell, 0] + 1):
+                        ids[p] = cells[cell, slot]
+                        codes[p] = code
+                        p += 1
+    for q in range(p):
+        prefetch(rows, ids[q] * 64)
+    tick(counts, PREDICTIONS, p)
+
+    ti = rows[i, TIME]
+    best = rows[i, NEXT]
+    reach2 = _reach(well) ** 2
+    u = 0
+    for q in range(p):
+        j = ids[q]
+        tj = rows[j, TIME]
+        s = ti - tj
+        b, rr, w = 0.0, 0.0, 0.0
+        for k in range(len(model.lengths)):
+            vi, vj = rows[i, SPEED + k], rows[j, SPEED + k]
+            gap = rows[j, k] - rows[i, k]
+            if not inner:
+                gap += grid.shifts[codes[q], k]
+            r = _relative_position(gap, vi, vj, s, acceleration, k)
+            v = _relative_speed(vi, vj, s, acceleration, k)
+            b += r * v
+            rr += r * r
+            w += v * v
+        size = contact_distance(diameter, radii, i, j)
+        c = rr - size * size
+        edge = rr - size * size * reach2
+        later = max(ti, tj)
+        within = NEVER if keeps_all(store) else best - later
+        ids[u] = j
+        numbers[u, 0], numbers[u, 1], numbers[u, 2], numbers[u, 3] = b, c, w, later
+        u += np.int64(_concerned(well, b, c, b * b - w * c, edge, b * b - w * edge, within))
+
+    for q in range(u):
+        j = ids[q]
+        b, c, w = numbers[q, 0], numbers[q, 1], numbers[q, 2]
+        if j != i:
+            s = contact_distance(diameter, radii, i, j)
+            s2 = s * s
+            if c > NEAR * s2 or b >= 0.0 or not rests(rows, i, j, b, s2):
+                span = pair_time(well, particles.bonds, i, j, b, c, w, s2)
+                if span < NEVER:
+                    add(store, rows, particles.ints, counts, i, numbers[q, 3] + span, j)
+
+
+@leaf
+def _may_meet(walls: Any, face: int, away: float, radius: float) -> bool:
+    """Whether a particle in a cell whose near edge is `away` from a face can touch the wall there."""
+    if walls is None:
+        return False
+    # a cell is at least a diameter deep: a still wall concerns the last one only
+    return walls.present[face] and (
+        away < walls.numbers[face, AMPLITUDE] + radius if walls.motion[face] == OSCILLATING else away <= 0.0
+    )
+
+
+@leaf
+def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None:
+    """The next wall, or edge of its cell, that the particle meets."""
+    rows, ints = particles.rows, particles.ints
+    s = now - rows[i, TIME]
+    best, kind = NEVER, 0
+    radius = radius_of(model.diameter, model.radii, i)
+    for k in range(len(model.lengths)):
+        x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
+        v = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
+        a = pull(model.acceleration, k)
+        cell = ints[i, CELL + k]
+        if cell > 0 or grid.wraps[k]:
+            span = falling_time(x - (cell * grid.sides[k] - grid.overlaps[k]), v, a)
+            if span < best:
+                best, kind = span, 2 * k
+        if cell < grid.counts[k] - 1 or grid.wraps[k]:
+            span = falling_time((cell + 1) * grid.sides[k] + grid.overlaps[k] - x, -v, -a)
+            if span < best:
+                best, kind = span, 2 * k + 1
+    for k in range(len(model.lengths)):
+        x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
+        v = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
+        low = ints[i, CELL + k] * grid.sides[k] - grid.overlaps[k]
+        high = (grid.counts[k] - 1 - ints[i, CELL + k]) * grid.sides[k] - grid.overlaps[k]
+        for side in range(2):
+            if _may_meet(model.walls, 2 * k + side, low if side == 0 else high, radius):
+                span = wall_time(model, model.walls, 2 * k + side, x, v, radius, now, best)
+                if span <= best and span < NEVER:
+                    best, kind = span, WALL + 2 * k + side
+    span = drum_time(model, model.drum, rows, i, s, radius)
+    if span <= best and span < NEVER:
+        best, kind = span, DRUM
+    particles.own[i] = now + best if best < NEVER else NEVER
+    ints[i, OWN] = kind
+
+
+# -- cells -----------------------------------------------------------------------------------------
+
+
+@leaf
+def _cell_of(grid: Any, ints: Any, i: int) -> int:
+    return (ints[i, CELL + 2] * grid.counts[1] + ints[i, CELL + 1]) * grid.counts[0] + ints[i, CELL]
+
+
+@leaf
+def _leave(grid: Any, particles: Any, i: int) -> None:
+    cells = particles.cells
+    cell = _cell_of(grid, particles.ints, i)
+    last, slot = cells[cell, 0], 1
+    while cells[cell, slot] != i:
+        slot += 1
+    cells[cell, slot] = cells[cell, last]
+    cells[cell, 0] = last - 1
+
+
+@leaf
+def _enter(grid: Any, particles: Any, i: int) -> None:
+    cells = particles.cells
+    cell = _cell_of(grid, particles.ints, i)
+    cells[cell, 0] += 1
+    cells[cell, cells[cell, 0]] = i
+
+
+# -- the loop --------------------------------------------------------------------------------------
+
+
+@leaf
+def _edge_event(
+    well: Any, model: Any, rows: Any, bonds: Any, tallies: Any, fields: Any, i: int, j: int,
+    x: float, y: float, z: float, distance2: float, gn: float, now: float,
+) -> bool:  # fmt: skip
+    """An event at the edge of the well, if this is one."""
+    if well is None:
+        return False
+    s = contact_distance(model.diameter, model.radii, i, j)
+    inside = bonded(bonds, i, j)
+    middle = 0.5 * (1.0 + well.range) * s
+    if distance2 < middle * middle:
+        return False
+    mass = reduced_mass(model.mass, model.inverse_masses, i, j)
+    new, held = well_velocity(gn, inside, 2.0 * well.depth / mass)
+    note_pair_before(tallies, fields, model, rows, None, i, j, now)
+    impulse = mass * (new - gn)
+    kick(model, rows, i, j, impulse * x, impulse * y, impulse * z)
+    note_well(tallies, fields, model, rows, i, j, impulse * np.sqrt(distance2), x, y, z,
+              well.depth * (np.float64(held) - np.float64(inside)))  # fmt: skip
+    if held and not inside:
+        bind(bonds, i, j)
+        bind(bonds, j, i)
+    elif inside and not held:
+        unbind(bonds, i, j)
+        unbind(bonds, j, i)
+    return True
+
+
+@leaf
+def _no_bond_left(bonds: Any, i: int, j: int) -> bool:
+    if bonds is None:
+        return False
+    return bonds[i, 0] + 1 >= bonds.shape[1] or bonds[j, 0] + 1 >= bonds.shape[1]
+
+
+@leaf
+def _collide(
+    model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, now: float, instant: float
+) -> int:
+    """The event of a pair: REACHED a collision, PAUSED the edge of a well; BONDS_FULL before anything; COLLAPSED."""
+    if _no_bond_left(particles.bonds, i, j):
+        return BONDS_FULL
+    rows, ints, spins = particles.rows, particles.ints, particles.spins
+    age_i, age_j = now - rows[i, TIME], now - rows[j, TIME]
+    fixed = is_fixed(model.inverse_masses, j)
+    _bring(model, grid, rows, i, now)
+    if not fixed:
+        _bring(model, grid, rows, j, now)
+    x, y, z = nearest(model, rows, i, j)
+    distance2 = x * x + y * y + z * z
+    distance = np.sqrt(distance2)
+    x, y, z = x / distance, y / distance, z / distance
+    gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
+    at_edge = _edge_event(model.well, model, rows, particles.bonds, tallies, fields, i, j, x, y, z, distance2, gn, now)
+    status = PAUSED
+    if not at_edge and gn < 0.0:
+        recent = in_contact_still(model.contact_duration, min(age_i, age_j))
+        alpha = normal_restitution(model.restitution, recent)
+        note_pair_before(tallies, fields, model, rows, spins, i, j, now)
+        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
+        kick(model, rows, i, j, px, py, pz)
+        note_pair_after(tallies, fields, model, rows, spins, i, j, x, y, z, distance, px, py, pz)
+        status = REACHED
+    ints[i, COUNT] += 1
+    if not fixed:
+        ints[j, COUNT] += 1
+    if max(age_i, age_j) < instant:
+        ints[i, STREAK] += 1
+        ints[j, STREAK] += 1
+        if min(ints[i, STREAK], ints[j, STREAK]) > COLLAPSE:
+            return COLLAPSED
+    else:
+        ints[i, STREAK] = 0
+        ints[j, STREAK] = 0
+    return status
+
+
+@leaf
+def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
+    """The particle passes a face of its cell, into the next one; False: that is full."""
+    rows, ints, images = particles.rows, particles.ints, particles.images
+    face = ints[i, OWN]
+    k = face >> 1
+    old = ints[i, CELL + k]
+    cell = old + (1 if face & 1 else -1)
+    turn = 1 if cell == grid.counts[k] else (-1 if cell < 0 else 0)
+    cell -= turn * grid.counts[k]
+    ints[i, CELL + k] = cell
+    full = particles.cells[_cell_of(grid, ints, i), 0] + 1 >= particles.cells.shape[1]
+    ints[i, CELL + k] = old
+    if full:
+        return False
+    note_crossing(fields, model, rows, particles.spins, particles.bonds, i, face, now)
+    _leave(grid, particles, i)
+    ints[i, CELL + k] = cell
+    rows[i, k] -= turn * model.lengths[k]
+    images[i, k] += turn
+    _enter(grid, particles, i)
+    return True
+
+
+@leaf
+def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float) -> bool:
+    """The particle hits a wall; True is a collapse."""
+    rows, ints, spins = particles.rows, particles.ints, particles.spins
+    age = now - rows[i, TIME]
+    _bring(model, grid, rows, i, now)
+    recent = in_contact_still(model.contact_duration, age)
+    note_wall_before(tallies, fields, model, rows, spins, i, now)
+    face = ints[i, OWN] - WALL
+    if ints[i, OWN] == DRUM:
+        face = 2 * len(model.lengths)
+        at_drum(model, model.drum, rows, spins, i, recent)
+    else:
+        at_plane(model, model.walls, rows, spins, i, ints[i, COUNT], face, now, recent)
+    note_wall_after(tallies, fields, model, rows, spins, i, face)
+    note_drum(tallies, model, rows, i, face)
+    ints[i, COUNT] += 1
+    ints[i, STREAK] = ints[i, STREAK] + 1 if age < instant else 0
+    return ints[i, STREAK] > COLLAPSE
+
+
+@leaf
+def _note(trace: Any, now: float, i: int, j: int) -> None:
+    if trace is not None:
+        place = trace.filled[0]
+        trace.time[place], trace.who[place, 0], trace.who[place, 1] = now, i, j
+        trace.filled[0] = place + 1
+
+
+@leaf
+def _full(trace: Any) -> bool:
+    if trace is None:
+        return False
+    return trace.filled[0] >= trace.time.size
+
+
+@kernel
+def advance(
+    model: Any, grid: Any, particles: Any, store: Any, queue: Any, scratch: Any, tallies: Any, fields: Any, counts: Any,
+    trace: Any, progress: Any, clock: float, until: float, instant: float, most_pairs: int, most_changes: int,
+) -> tuple[int, float]:  # fmt: skip
+    """Processes events until the time `until`, or one of two counts; why it stopped, and the time then."""
+    rows, ints, own = particles.rows, particles.ints, particles.own
+    now, status = clock, REACHED
+    pairs, events, changes = progress[PAIRS], progress[EVENTS], progress[CHANGES]
+    while True:
+        i = first(queue, counts)
+        pair_time, own_time = rows[i, NEXT], own[i]
+        due = min(pair_time, own_time)
+        if due > until:
+            now = until
+            break
+        if pairs >= most_pairs:
+            status = COUNTED
+            break
+        if not has_room(store, 2 * scratch.ids.size):
+            status = STORE_FULL
+            break
+        if _full(trace):
+            status = TRACE_FULL
+            break
+        if changes >= most_changes:
+            status = PAUSED
+            break
+        now = max(now, due)
+        events += 1
+        j = np.int64(-1)  # a second particle whose events change
+        anew, again, layer = True, True, -1  # its own events; the pair events; those beyond one face only
+        if own_time < pair_time:
+            if ints[i, OWN] < WALL:
+                layer = ints[i, OWN]
+                if not _cross(model, grid, particles, fields, i, now):
+                    status = CELL_FULL
+                tick(counts, CROSSINGS, 1)
+            elif ints[i, OWN] == WAKE:
+                pass
+            else:
+                tick(counts, WALL_EVENTS, 1)
+                _note(trace, now, i, WALL - 1 - ints[i, OWN])
+                if _hit(model, grid, particles, tallies, fields, i, now, instant):
+                    progress[FIRST], progress[SECOND] = i, -1
+                    status = COLLAPSED
+        else:
+            j = np.int64(ints[i, PARTNER])
+            if ints[j, COUNT] != ints[i, PARTNER_COUNT]:
+                tick(counts, INVALID, 1)
+                pop(store, rows, ints, counts, i)
+                j = np.int64(-1)
+                anew, again = False, not keeps_all(store)
+                changes -= 1
+            else:
+                done = _collide(model, grid, particles, tallies, fields, i, j, now, instant)
+                pairs += done == REACHED
+                if done == BONDS_FULL or done == COLLAPSED:
+                    progress[FIRST], progress[SECOND] = i, j
+                    status = done
+                else:
+                    _note(trace, now, i, j)
+                if is_fixed(model.inverse_masses, j):
+                    j = np.int64(-1)
+        if status != REACHED:
+            break
+        changes += 1
+        if again and layer < 0:
+            forget(store, rows, ints, counts, i)
+            if j >= 0:
+                forget(store, rows, ints, counts, j)
+        one = i
+        while one >= 0:
+            if anew:
+                own_event(model, grid, particles, one, now)
+            if again:
+                _predict(model, grid, particles, store, scratch, counts, one, layer)
+            update(queue, counts, one, min(rows[one, NEXT], own[one]))
+            one, j = j, np.int64(-1)
+    progress[PAIRS], progress[EVENTS], progress[CHANGES] = pairs, events, changes
+    return status, now

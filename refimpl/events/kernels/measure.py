@@ -1,0 +1,413 @@
+"""Measurement at events: exact averages, event observables and hydrodynamic fields (SPEC E16-E18).
+
+Every function does nothing, and compiles to nothing, where what it serves is `None`.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refimpl.events.compiled import kernel, leaf
+
+#: Entries of `Tallies.sums`.
+(
+    VIRIAL, DISSIPATED, ENERGY, ENERGY_TIME, FIELD_TIME, SINCE, WELLS, WELLS_TIME, HEIGHT, RISE, PULL, TORQUE, BEFORE,
+    OTHER_BEFORE, SPEED_BEFORE,
+) = range(15)  # fmt: skip
+#: Columns of `Tallies.walls` behind the three of the impulse.
+WALL_ENERGY, WALL_COUNT = 3, 4
+
+
+class Tallies(NamedTuple):
+    """sums: see the names above. walls: (faces, 5) momentum given to the face, energy got from it, collisions.
+
+    Between events the energy E = kinetic + rotational + field is constant, and so is that of the wells; the moment of
+    the field, S = sum m g.x, is a parabola: dS/dt = RISE, d2S/dt2 = PULL. Hence int K dt = int E dt + int S dt exactly.
+    """
+
+    sums: Any
+    walls: Any
+
+
+class Fields(NamedTuple):
+    """Fields on a grid of `shape` cells, each of `blocks` cells of the event loop along an axis.
+
+    Time integrals per cell: mass (C,), momentum (C, 3), kinetic (C,), rotational (C,). Through the lower face of a cell
+    along each axis, positive upwards: flux_mass (3, C), flux_momentum (3, C, 3), flux_energy (3, C). Sums per cell:
+    dissipation, collisions (C,), wall_momentum (C, 3) and wall_energy (C,) given by walls. since: (N,).
+    """
+
+    shape: Any
+    blocks: Any
+    sides: Any
+    mass: Any
+    momentum: Any
+    kinetic: Any
+    rotational: Any
+    flux_mass: Any
+    flux_momentum: Any
+    flux_energy: Any
+    dissipation: Any
+    collisions: Any
+    wall_momentum: Any
+    wall_energy: Any
+    since: Any
+    ints: Any
+
+
+@leaf
+def _mass(mass: float, inverse_masses: Any, i: int) -> float:
+    """m_i; 0 for a fixed particle, which has no energy to give."""
+    if inverse_masses is None:
+        return mass
+    return 1.0 / inverse_masses[i] if inverse_masses[i] > 0.0 else 0.0
+
+
+@leaf
+def _size(diameter: float, radii: Any, i: int) -> float:
+    if radii is None:
+        return 0.5 * diameter
+    return radii[i]
+
+
+@leaf
+def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
+    """I w^2/2."""
+    if rough is None or spins is None:
+        return 0.0
+    radius = _size(model.diameter, model.radii, i)
+    inertia = rough.inertia * _mass(model.mass, model.inverse_masses, i) * radius * radius
+    return 0.5 * inertia * (spins[i, 0] ** 2 + spins[i, 1] ** 2 + spins[i, 2] ** 2)
+
+
+@leaf
+def _moving(model: Any, rows: Any, i: int) -> float:
+    """m v^2/2, of the state as it stands in the row."""
+    mass = _mass(model.mass, model.inverse_masses, i)
+    return 0.5 * mass * (rows[i, 3] ** 2 + rows[i, 4] ** 2 + rows[i, 5] ** 2)
+
+
+@leaf
+def _accumulate(sums: Any, now: float) -> None:
+    s = now - sums[SINCE]
+    sums[ENERGY_TIME] += sums[ENERGY] * s
+    sums[WELLS_TIME] += sums[WELLS] * s
+    sums[FIELD_TIME] -= s * (sums[HEIGHT] + s * (0.5 * sums[RISE] + s * sums[PULL] / 6.0))
+    sums[HEIGHT] += s * (sums[RISE] + 0.5 * s * sums[PULL])
+    sums[RISE] += s * sums[PULL]
+    sums[SINCE] = now
+
+
+@kernel
+def accumulate(tallies: Any, now: float) -> None:
+    """Brings the time integrals to the present."""
+    _accumulate(tallies.sums, now)
+
+
+# -- pairs -----------------------------------------------------------------------------------------
+
+
+@leaf
+def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, now: float) -> None:
+    """Before the velocities of a pair change; both states are at the present."""
+    if tallies is not None:
+        _accumulate(tallies.sums, now)
+    _pair_energies(tallies, model, rows, spins, i, j)
+    _stay_pair(fields, model, rows, spins, i, j, now)
+
+
+@leaf
+def _pair_energies(tallies: Any, model: Any, rows: Any, spins: Any, i: int, j: int) -> None:
+    if tallies is not None:
+        tallies.sums[BEFORE] = _moving(model, rows, i) + _spinning(model.rough, spins, model, i)
+        tallies.sums[OTHER_BEFORE] = _moving(model, rows, j) + _spinning(model.rough, spins, model, j)
+
+
+@leaf
+def note_pair_after(
+    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
+    distance: float, px: float, py: float, pz: float,
+) -> None:  # fmt: skip
+    """After a collision that gave the momentum p to j; (x, y, z) is the normal."""
+    if tallies is not None:
+        sums = tallies.sums
+        lost_i = sums[BEFORE] - _moving(model, rows, i) - _spinning(model.rough, spins, model, i)
+        lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j) - _spinning(model.rough, spins, model, j)
+        sums[VIRIAL] += distance * (px * x + py * y + pz * z)
+        sums[DISSIPATED] += lost_i + lost_j
+        sums[ENERGY] -= lost_i + lost_j
+        _pair_fields(fields, model, rows, i, j, x, y, z, distance, px, py, pz, lost_i, lost_j, lost_i + lost_j, 1)
+
+
+@leaf
+def note_well(
+    tallies: Any, fields: Any, model: Any, rows: Any, i: int, j: int, virial: float, x: float, y: float, z: float,
+    bound: float,
+) -> None:  # fmt: skip
+    """After an event at the edge of a well; bound: energy by which the pair is bound more than before."""
+    if tallies is not None:
+        sums = tallies.sums
+        lost_i = sums[BEFORE] - _moving(model, rows, i)
+        lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j)
+        sums[VIRIAL] += virial
+        sums[ENERGY] -= lost_i + lost_j
+        sums[WELLS] -= bound
+        distance = _edge(model.well, model, i, j)
+        impulse = virial / distance
+        half = 0.5 * bound
+        _pair_fields(
+            fields, model, rows, i, j, x, y, z, distance, impulse * x, impulse * y, impulse * z, lost_i + half,
+            lost_j + half, 0.0, 0,
+        )  # fmt: skip
+
+
+@leaf
+def _edge(well: Any, model: Any, i: int, j: int) -> float:
+    size = _size(model.diameter, model.radii, i) + _size(model.diameter, model.radii, j)
+    if well is None:
+        return size
+    return size * well.range
+
+
+# -- walls -----------------------------------------------------------------------------------------
+
+
+@leaf
+def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
+    """Before a wall changes a particle's velocity; its state is at the present."""
+    _wall_energies(tallies, model, rows, spins, i, now)
+    _stay_one(fields, model, rows, spins, i, now)
+
+
+@leaf
+def _wall_energies(tallies: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
+    if tallies is not None:
+        sums = tallies.sums
+        _accumulate(sums, now)
+        sums[BEFORE] = _moving(model, rows, i) + _spinning(model.rough, spins, model, i)
+        sums[SPEED_BEFORE] = rows[i, 3]
+        sums[SPEED_BEFORE + 1] = rows[i, 4]
+        sums[SPEED_BEFORE + 2] = rows[i, 5]
+
+
+@leaf
+def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, face: int) -> None:
+    """After a wall has changed a particle's velocity."""
+    if tallies is not None:
+        sums, walls = tallies.sums, tallies.walls
+        mass = _mass(model.mass, model.inverse_masses, i)
+        gained = _moving(model, rows, i) + _spinning(model.rough, spins, model, i) - sums[BEFORE]
+        px = mass * (rows[i, 3] - sums[SPEED_BEFORE])
+        py = mass * (rows[i, 4] - sums[SPEED_BEFORE + 1])
+        pz = mass * (rows[i, 5] - sums[SPEED_BEFORE + 2])
+        walls[face, 0] -= px
+        walls[face, 1] -= py
+        walls[face, 2] -= pz
+        walls[face, WALL_ENERGY] += gained
+        walls[face, WALL_COUNT] += 1.0
+        sums[ENERGY] += gained
+        sums[RISE] += _along(model.acceleration, px, py, pz)
+        _wall_fields(fields, i, px, py, pz, gained)
+
+
+@leaf
+def _along(acceleration: Any, px: float, py: float, pz: float) -> float:
+    """g.p"""
+    if acceleration is None:
+        return 0.0
+    total = acceleration[0] * px + acceleration[1] * py
+    return total + acceleration[len(acceleration) - 1] * pz if len(acceleration) == 3 else total
+
+
+@leaf
+def note_drum(tallies: Any, model: Any, rows: Any, i: int, face: int) -> None:
+    """Angular momentum about the axis that the drum gave to a particle, spin included: R x p is at the surface."""
+    if tallies is not None:
+        _torque(tallies, model.drum, model, rows, i, face)
+
+
+@leaf
+def _torque(tallies: Any, drum: Any, model: Any, rows: Any, i: int, face: int) -> None:
+    if drum is not None:
+        if face == 2 * len(model.lengths):
+            sums = tallies.sums
+            mass = _mass(model.mass, model.inverse_masses, i)
+            first, second = drum.first, drum.second
+            x, y = rows[i, first] - 0.5 * model.lengths[first], rows[i, second] - 0.5 * model.lengths[second]
+            stretch = drum.radius / np.sqrt(x * x + y * y)
+            px = mass * (rows[i, 3 + first] - sums[SPEED_BEFORE + first])
+            py = mass * (rows[i, 3 + second] - sums[SPEED_BEFORE + second])
+            sums[TORQUE] += stretch * (x * py - y * px)
+
+
+# -- fields ----------------------------------------------------------------------------------------
+
+
+@leaf
+def _block(fields: Any, i: int, axis: int) -> int:
+    return fields.ints[i, 3 + axis] // fields.blocks[axis]
+
+
+@leaf
+def _place(fields: Any, i: int) -> int:
+    """Index of the field cell that a particle counts for."""
+    shape = fields.shape
+    return (_block(fields, i, 2) * shape[1] + _block(fields, i, 1)) * shape[0] + _block(fields, i, 0)
+
+
+@leaf
+def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
+    """Adds what the particle was since it was last added; its row may be older than that."""
+    mass = _mass(model.mass, model.inverse_masses, i)
+    a, b = fields.since[i] - rows[i, 6], now - rows[i, 6]
+    place = _place(fields, i)
+    kinetic = 0.0
+    for k in range(len(model.lengths)):
+        v = rows[i, 3 + k]
+        g = _pull(model.acceleration, k)
+        fields.momentum[place, k] += mass * (v * (b - a) + 0.5 * g * (b * b - a * a))
+        kinetic += v * v * (b - a) + v * g * (b * b - a * a) + g * g * (b**3 - a**3) / 3.0
+    fields.mass[place] += mass * (b - a)
+    fields.kinetic[place] += 0.5 * mass * kinetic
+    fields.rotational[place] += _spinning(model.rough, spins, model, i) * (b - a)
+    fields.since[i] = now
+
+
+@leaf
+def _pull(acceleration: Any, k: int) -> float:
+    if acceleration is None:
+        return 0.0
+    return acceleration[k]
+
+
+@leaf
+def _stay_one(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
+    if fields is not None:
+        _stay(fields, model, rows, spins, i, now)
+
+
+@leaf
+def _stay_pair(fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, now: float) -> None:
+    if fields is not None:
+        _stay(fields, model, rows, spins, i, now)
+        _stay(fields, model, rows, spins, j, now)
+
+
+@leaf
+def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i: int, face: int, now: float) -> None:
+    """Before a particle passes a face of its cell: if it is a field's too, mass, momentum and energy go through it."""
+    if fields is not None:
+        axis, up = face >> 1, face & 1
+        cell = fields.ints[i, 3 + axis]
+        block = fields.blocks[axis]
+        at_edge = (cell + 1) % block == 0 if up else cell % block == 0
+        if at_edge:
+            _stay(fields, model, rows, spins, i, now)
+            sign = 1.0 if up else -1.0
+            mass = _mass(model.mass, model.inverse_masses, i)
+            s = now - rows[i, 6]
+            energy = _spinning(model.rough, spins, model, i) + _bound(model.well, bonds, i)
+            place = _face(fields, _place(fields, i), axis, up)
+            fields.flux_mass[axis, place] += sign * mass
+            for k in range(len(model.lengths)):
+                v = rows[i, 3 + k] + _pull(model.acceleration, k) * s
+                energy += 0.5 * mass * v * v
+                fields.flux_momentum[axis, place, k] += sign * mass * v
+            fields.flux_energy[axis, place] += sign * energy
+
+
+@leaf
+def _bound(well: Any, bonds: Any, i: int) -> float:
+    """A particle's half of the energy of its wells."""
+    if well is None:
+        return 0.0
+    return -0.5 * well.depth * bonds[i, 0]
+
+
+@leaf
+def _face(fields: Any, place: int, axis: int, up: int) -> int:
+    """The cell whose lower face is the upper (lower) face of the cell `place`."""
+    if not up:
+        return place
+    shape = fields.shape
+    stride = 1 if axis == 0 else (shape[0] if axis == 1 else shape[0] * shape[1])
+    here = (place // stride) % shape[axis]
+    return place + stride if here + 1 < shape[axis] else place - here * stride
+
+
+@leaf
+def _next(fields: Any, place: int, axis: int, up: int) -> int:
+    shape = fields.shape
+    stride = 1 if axis == 0 else (shape[0] if axis == 1 else shape[0] * shape[1])
+    here = (place // stride) % shape[axis]
+    if up:
+        return place + stride if here + 1 < shape[axis] else place - here * stride
+    return place - stride if here > 0 else place + (shape[axis] - 1) * stride
+
+
+@leaf
+def _pair_fields(
+    fields: Any, model: Any, rows: Any, i: int, j: int, x: float, y: float, z: float, distance: float, px: float,
+    py: float, pz: float, lost_i: float, lost_j: float, lost: float, collision: int,
+) -> None:  # fmt: skip
+    """Momentum and energy go from i to j along the line of centres, through the faces that it crosses.
+
+    Irving and Kirkwood, J. Chem. Phys. 18, 817 (1950). Each partner's cell bears half of what is dissipated.
+    """
+    if fields is not None:
+        here, there = _place(fields, i), _place(fields, j)
+        fields.dissipation[here] += 0.5 * lost
+        fields.dissipation[there] += 0.5 * lost
+        fields.collisions[here] += 0.5 * collision
+        fields.collisions[there] += 0.5 * collision
+        energy = 0.5 * (lost_i - lost_j)
+        place = here
+        done = 0
+        for _ in range(3):
+            # of the axes along which the cells still differ, the face that the line meets first
+            best, axis, up = 1e300, -1, 0
+            for k in range(len(model.lengths)):
+                if not (done >> k) & 1:
+                    shape = fields.shape[k]
+                    step = _block(fields, j, k) - _block(fields, i, k)
+                    if step > 1 or (step == 1 and shape == 2 and _toward(x, y, z, k) < 0.0):
+                        step = -1
+                    elif step < -1 or (step == -1 and shape == 2 and _toward(x, y, z, k) > 0.0):
+                        step = 1
+                    if step != 0:
+                        edge = (_block(fields, i, k) + (1 if step > 0 else 0)) * fields.sides[k]
+                        along = (edge - rows[i, k]) / (distance * _toward(x, y, z, k))
+                        if along < best:
+                            best, axis, up = along, k, 1 if step > 0 else 0
+            if axis < 0:
+                break
+            done |= 1 << axis
+            sign = 1.0 if up else -1.0
+            through = _face(fields, place, axis, up)
+            fields.flux_momentum[axis, through, 0] += sign * px
+            fields.flux_momentum[axis, through, 1] += sign * py
+            fields.flux_momentum[axis, through, 2] += sign * pz
+            fields.flux_energy[axis, through] += sign * energy
+            place = _next(fields, place, axis, up)
+
+
+@leaf
+def _toward(x: float, y: float, z: float, axis: int) -> float:
+    return x if axis == 0 else (y if axis == 1 else z)
+
+
+@leaf
+def _wall_fields(fields: Any, i: int, px: float, py: float, pz: float, gained: float) -> None:
+    if fields is not None:
+        place = _place(fields, i)
+        fields.wall_momentum[place, 0] += px
+        fields.wall_momentum[place, 1] += py
+        fields.wall_momentum[place, 2] += pz
+        fields.wall_energy[place] += gained
+
+
+@kernel
+def settle_fields(fields: Any, model: Any, rows: Any, spins: Any, now: float) -> None:
+    """Brings the time integrals of every particle to the present."""
+    for i in range(rows.shape[0]):
+        _stay(fields, model, rows, spins, i, now)

@@ -1,0 +1,357 @@
+"""Which event is next: queues over the particles, and the stores of the events that each particle owns.
+
+A queue answers `first` (the particle whose next event is the earliest; of equal ones the lowest number) and takes
+`update` (a particle's next event has changed). `Tree`: complete binary tree, O(log N) (Marin, Risso and Cordero, J.
+Comput. Phys. 103, 306 (1993); Marin and Cordero, Comput. Phys. Commun. 92, 214 (1995)). `Calendar`: buckets of one
+small span of time each, O(1) while their width fits the rate of events (Brown, Commun. ACM 31, 1220 (1988); Paul, J.
+Comput. Phys. 221, 615 (2007)).
+
+A store keeps the predicted events of each owner. `Lists`: all of them, in a linked list in order of time, as
+documented (SPEC E12). `Earliest`: the first one only; the others are found again when they are needed (Lubachevsky,
+J. Comput. Phys. 94, 255 (1991)).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from refimpl.events.compiled import LEAF, kernel, leaf
+from refimpl.events.prediction import NEVER
+
+#: Columns of `ints`.
+PARTNER, PARTNER_COUNT, COUNT, CELL, OWN, STREAK = 0, 1, 2, 3, 6, 7
+#: Columns of `rows`.
+SPEED, TIME, NEXT = 3, 6, 7
+#: Entries of the operation counts.
+COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS = range(6)
+
+
+class Tree(NamedTuple):
+    """keys: (N,) times. nodes: (2N,) the winner below each node; 1 is the root, N + i the leaf of particle i."""
+
+    keys: Any
+    nodes: Any
+
+
+class Calendar(NamedTuple):
+    """keys: (N,). day: (N,) index of the bucket in time, not wrapped. after, before: (N,) links within a bucket.
+
+    heads: (buckets,), a power of two. today: (1,). per_time: (1,) buckets in a unit of time.
+    """
+
+    keys: Any
+    day: Any
+    after: Any
+    before: Any
+    heads: Any
+    today: Any
+    per_time: Any
+
+
+class Earliest(NamedTuple):
+    """Nothing beside the rows: they hold each particle's earliest event."""
+
+    nothing: int
+
+
+class Lists(NamedTuple):
+    """heads: (N,). time, partner, count, after: (nodes,). free: (2,) the first unused node, and how many there are."""
+
+    heads: Any
+    time: Any
+    partner: Any
+    count: Any
+    after: Any
+    free: Any
+
+
+def _is(kind: Any, record: type) -> bool:
+    return isinstance(kind, types.BaseNamedTuple) and kind.instance_class is record
+
+
+@leaf
+def tick(counts: Any, what: int, number: int) -> None:
+    """Counts operations; nothing at all where they are not counted."""
+    if counts is not None:
+        counts[what] += number
+
+
+# -- the tree --------------------------------------------------------------------------------------
+
+
+@leaf
+def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
+    keys, nodes = queue.keys, queue.nodes
+    keys[i] = key
+    node = (keys.size + i) >> 1
+    steps = 0
+    while node >= 1:
+        left, right = nodes[2 * node], nodes[2 * node + 1]
+        a, b = keys[left], keys[right]
+        steps += 1
+        winner = left if a < b or (a == b and left < right) else right
+        if nodes[node] == winner and winner != i:
+            break
+        nodes[node] = winner
+        node >>= 1
+    tick(counts, COMPARISONS, steps)
+
+
+@kernel
+def build_tree(queue: Any) -> None:
+    """Plays the whole tournament; with one particle the root is its leaf."""
+    keys, nodes = queue.keys, queue.nodes
+    number = keys.size
+    for i in range(number):
+        nodes[number + i] = i
+    for node in range(number - 1, 0, -1):
+        left, right = nodes[2 * node], nodes[2 * node + 1]
+        a, b = keys[left], keys[right]
+        nodes[node] = left if a < b or (a == b and left < right) else right
+
+
+# -- the calendar ----------------------------------------------------------------------------------
+
+
+@leaf
+def _day_of(queue: Any, key: float) -> int:
+    day = key * queue.per_time[0]
+    # events that never come, or very late, wait on the last day that an integer can name
+    return np.int64(day) if day < 4e18 else np.int64(4_000_000_000_000_000_000)
+
+
+@leaf
+def _put(queue: Any, i: int, key: float) -> None:
+    day = max(_day_of(queue, key), queue.today[0])
+    slot = day & (queue.heads.size - 1)
+    follower = queue.heads[slot]
+    queue.keys[i], queue.day[i] = key, day
+    queue.before[i], queue.after[i] = -1, follower
+    if follower >= 0:
+        queue.before[follower] = i
+    queue.heads[slot] = i
+
+
+@leaf
+def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
+    before, after = queue.before[i], queue.after[i]
+    if before >= 0:
+        queue.after[before] = after
+    else:
+        queue.heads[queue.day[i] & (queue.heads.size - 1)] = after
+    if after >= 0:
+        queue.before[after] = before
+    _put(queue, i, key)
+
+
+@leaf
+def _calendar_first(queue: Any, counts: Any) -> int:
+    mask, today = queue.heads.size - 1, queue.today[0]
+    empty = 0
+    while True:
+        i = np.int64(queue.heads[today & mask])
+        best, found = NEVER * 1e5, np.int64(-1)
+        while i >= 0:
+            if queue.day[i] <= today:
+                key = queue.keys[i]
+                tick(counts, COMPARISONS, 1)
+                if key < best or (key == best and i < found):
+                    best, found = key, i
+            i = np.int64(queue.after[i])
+        if found >= 0:
+            queue.today[0] = today
+            return found
+        today += 1
+        empty += 1
+        if empty > mask:  # a whole year without events: go to the day of the next one
+            today = queue.day[0]
+            for k in range(1, queue.day.size):
+                today = min(today, queue.day[k])
+            empty = 0
+
+
+@kernel
+def build_calendar(queue: Any, now: float) -> None:
+    """Puts every key into its bucket."""
+    queue.heads[:] = -1
+    queue.today[0] = _day_of(queue, max(now, 0.0))
+    for i in range(queue.keys.size):
+        _put(queue, i, queue.keys[i])
+
+
+# -- the interface of queues -----------------------------------------------------------------------
+
+
+def update(queue: Any, counts: Any, i: int, key: float) -> None:
+    """Particle i's next event is at `key` from now on."""
+    raise TypeError(f"not a queue: {type(queue).__name__}")
+
+
+def first(queue: Any, counts: Any) -> int:
+    """The particle with the earliest event."""
+    raise TypeError(f"not a queue: {type(queue).__name__}")
+
+
+@overload(update, strict=False, jit_options=LEAF)
+def _update(queue: Any, counts: Any, i: int, key: float) -> Any:
+    if _is(queue, Tree):
+        return lambda queue, counts, i, key: _tree_update(queue, counts, i, key)
+    if _is(queue, Calendar):
+        return lambda queue, counts, i, key: _calendar_update(queue, counts, i, key)
+    return None
+
+
+@overload(first, strict=False, jit_options=LEAF)
+def _first(queue: Any, counts: Any) -> Any:
+    if _is(queue, Tree):
+        return lambda queue, counts: np.int64(queue.nodes[1])
+    if _is(queue, Calendar):
+        return lambda queue, counts: _calendar_first(queue, counts)
+    return None
+
+
+# -- the stores ------------------------------------------------------------------------------------
+
+
+@leaf
+def _lists_forget(store: Any, counts: Any, i: int) -> None:
+    node = store.heads[i]
+    if node >= 0:
+        last, steps = node, 1
+        while store.after[last] >= 0:
+            last = store.after[last]
+            steps += 1
+        store.after[last] = store.free[0]
+        store.free[0] = node
+        store.free[1] += steps
+        store.heads[i] = -1
+        tick(counts, MOVES, steps)
+
+
+@leaf
+def _lists_add(store: Any, counts: Any, i: int, time: float, j: int, count: int) -> None:
+    node = store.free[0]
+    store.free[0] = store.after[node]
+    store.free[1] -= 1
+    store.time[node], store.partner[node], store.count[node] = time, j, count
+    previous, following, steps = np.int32(-1), store.heads[i], 1
+    while following >= 0 and store.time[following] <= time:
+        previous, following = following, store.after[following]
+        steps += 1
+    store.after[node] = following
+    if previous < 0:
+        store.heads[i] = node
+    else:
+        store.after[previous] = node
+    tick(counts, MOVES, steps)
+
+
+@leaf
+def _lists_show(store: Any, rows: Any, ints: Any, i: int) -> None:
+    """The head of i's list becomes its next event."""
+    node = store.heads[i]
+    if node < 0:
+        rows[i, NEXT], ints[i, PARTNER] = NEVER, -1
+    else:
+        rows[i, NEXT], ints[i, PARTNER] = store.time[node], store.partner[node]
+        ints[i, PARTNER_COUNT] = store.count[node]
+
+
+@leaf
+def _lists_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+    node = store.heads[i]
+    store.heads[i] = store.after[node]
+    store.after[node] = store.free[0]
+    store.free[0] = node
+    store.free[1] += 1
+    tick(counts, MOVES, 1)
+    _lists_show(store, rows, ints, i)
+
+
+def forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+    """Drops every pair event that i owns."""
+    raise TypeError(f"not a store: {type(store).__name__}")
+
+
+@overload(forget, strict=False, jit_options=LEAF)
+def _forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
+    if _is(store, Earliest):
+
+        def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+            rows[i, NEXT] = NEVER
+            ints[i, PARTNER] = -1
+
+        return earliest
+
+    def lists(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+        _lists_forget(store, counts, i)
+        _lists_show(store, rows, ints, i)
+
+    return lists
+
+
+def keeps_all(store: Any) -> bool:
+    """Whether the store keeps every event of an owner, not the earliest alone."""
+    raise TypeError(f"not a store: {type(store).__name__}")
+
+
+@overload(keeps_all, strict=False, jit_options=LEAF)
+def _keeps_all(store: Any) -> Any:
+    if _is(store, Lists):
+        return lambda store: True
+    return lambda store: False
+
+
+def has_room(store: Any, number: int) -> bool:
+    """Whether the store can take so many events more."""
+    raise TypeError(f"not a store: {type(store).__name__}")
+
+
+@overload(has_room, strict=False, jit_options=LEAF)
+def _has_room(store: Any, number: int) -> Any:
+    if _is(store, Lists):
+        return lambda store, number: store.free[1] >= number
+    return lambda store, number: True
+
+
+def add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
+    """Event of i with j at `time`."""
+    raise TypeError(f"not a store: {type(store).__name__}")
+
+
+@overload(add, strict=False, jit_options=LEAF)
+def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> Any:
+    if _is(store, Earliest):
+
+        def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
+            # where the partner is busy before that, it will find this event itself, if it is still there then
+            if time < rows[i, NEXT] and time < rows[j, NEXT]:
+                rows[i, NEXT] = time
+                ints[i, PARTNER], ints[i, PARTNER_COUNT] = j, ints[j, COUNT]
+
+        return earliest
+
+    def lists(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
+        _lists_add(store, counts, i, time, j, ints[j, COUNT])
+        _lists_show(store, rows, ints, i)
+
+    return lists
+
+
+def pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+    """Drops i's next event, of a store that keeps the others."""
+    raise TypeError(f"not a store: {type(store).__name__}")
+
+
+@overload(pop, strict=False, jit_options=LEAF)
+def _pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
+    if _is(store, Lists):
+        return lambda store, rows, ints, counts, i: _lists_pop(store, rows, ints, counts, i)
+
+    def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+        rows[i, NEXT] = NEVER
+        ints[i, PARTNER] = -1
+
+    return earliest

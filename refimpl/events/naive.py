@@ -1,0 +1,219 @@
+"""Algorithm v1.0, the naive loop (SPEC E9): predict everything, take the earliest, advance everybody, collide.
+
+O(N^2) an event, and nothing to go wrong: the executable specification that the fast algorithm must match event by
+event. The closed forms of the prediction and the rules at the contact are the same.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from refimpl.events.compiled import kernel, leaf
+from refimpl.events.model import Floats, Model
+from refimpl.events.prediction import (
+    NEAR,
+    NEVER,
+    bonded,
+    contact_distance,
+    drift,
+    drum_time,
+    nearest,
+    pair_time,
+    radius_of,
+    rests,
+    speed_after,
+    wall_time,
+)
+from refimpl.events.rules import (
+    at_drum,
+    at_plane,
+    bind,
+    in_contact_still,
+    is_fixed,
+    kick,
+    normal_restitution,
+    pair_impulse,
+    reduced_mass,
+    unbind,
+    well_velocity,
+)
+from refimpl.events.simulation import State, bonds_of, check_state, spins_of
+
+#: Rows hold x 0-2, v 3-5, and the time of the particle's last collision 6.
+_LAST = 6
+
+
+class Naive:
+    """Hard particles of `model` from the given state, by algorithm v1.0.
+
+    positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; only with friction.
+    last: (N,) times of earlier collisions, for the TC model. counts: (N,) of earlier collisions, for random walls.
+    trace: (time, i, j) of every change of state; j = -1 - face for a wall.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        angular_velocities: ArrayLike | None = None,
+        *,
+        last: ArrayLike = 0.0,
+        counts: ArrayLike = 0,
+    ) -> None:
+        x, v = np.array(positions, dtype=np.float64), np.array(velocities, dtype=np.float64)
+        self.model, self.dimension = model, x.shape[1]
+        self.number = check_state(model, x, v)
+        self.time, self.collisions = 0.0, 0
+        self.trace: list[tuple[float, int, int]] = []
+        self._rows = np.zeros((self.number, 7))
+        self._rows[:, : self.dimension] = x
+        self._rows[:, 3 : 3 + self.dimension] = v
+        self._rows[:, _LAST] = last
+        self._turns = np.zeros((self.number, 3), np.int64)
+        self._counts = np.zeros(self.number, np.int64)
+        self._counts[:] = counts
+        self._spins = None if model.rough is None else spins_of(angular_velocities, self.number, self.dimension)
+        self._bonds = None if model.well is None else bonds_of(model, x)
+
+    def run(self, until: float = math.inf, collisions: int | None = None, changes: int | None = None) -> None:
+        """To a time, a number of pair collisions, or a number of changes of state since the start."""
+        while (collisions is None or self.collisions < collisions) and (changes is None or len(self.trace) < changes):
+            span, i, j = next_event(self.model, self._rows, self._bonds, self.time)
+            limit = longest_flight(self.model, self._rows)
+            if min(self.time + span, self.time + limit) > until:
+                fly(self.model, self._rows, self._turns, until - self.time)
+                self.time = until
+                return
+            fly(self.model, self._rows, self._turns, min(span, limit))
+            self.time += min(span, limit)
+            if span <= limit:
+                self.trace.append((self.time, i, j))
+                self.collisions += happen(
+                    self.model, self._rows, self._spins, self._bonds, i, j, self._counts, self.time
+                )
+
+    def state(self) -> State:
+        """Everybody at the present."""
+        d = self.dimension
+        x = self._rows[:, :d] + self._turns[:, :d] * np.array(self.model.lengths)
+        spins = self._spins
+        return State(
+            self.time, x, self._rows[:, 3 : 3 + d].copy(), None if spins is None else spins[:, 2 if d == 2 else 0 :]
+        )
+
+
+def longest_flight(model: Model, rows: Floats) -> float:
+    """No other image of a pair than the nearest one can touch before this, however they move."""
+    reach = model.diameter * (1.0 if model.well is None else model.well.range)
+    room = [length / 2 - reach for length, wraps in zip(model.lengths, model.periodic, strict=True) if wraps]
+    # velocities relative to one particle: a common fall does not bring two together
+    fastest = float(np.sqrt(((rows[:, 3:6] - rows[0, 3:6]) ** 2).sum(axis=1).max()))
+    return min(room) / (2 * fastest) if room and fastest > 0 else math.inf
+
+
+@kernel
+def next_event(model: Any, rows: Any, bonds: Any, now: float) -> tuple[float, int, int]:
+    """Span to the earliest event of all pairs and walls, and whose: i and j, or i and -1 - face."""
+    best, one, other = NEVER, -1, -1
+    d = len(model.lengths)
+    for i in range(rows.shape[0]):
+        for j in range(i + 1, rows.shape[0]):
+            x, y, z = nearest(model, rows, i, j)
+            u, v, w = rows[j, 3] - rows[i, 3], rows[j, 4] - rows[i, 4], rows[j, 5] - rows[i, 5]
+            b, w2 = x * u + y * v + z * w, u * u + v * v + w * w
+            s = contact_distance(model.diameter, model.radii, i, j)
+            c = x * x + y * y + z * z - s * s
+            if _meets(model.well, b, c, w2) and not (c <= NEAR * s * s and b < 0.0 and rests(rows, i, j, b, s * s)):
+                span = pair_time(model.well, bonds, i, j, b, c, w2, s * s)
+                if span < best:
+                    best, one, other = span, i, j
+        if not is_fixed(model.inverse_masses, i):
+            radius = radius_of(model.diameter, model.radii, i)
+            for face in range(2 * d):
+                k = face >> 1
+                span = wall_time(model, model.walls, face, rows[i, k], rows[i, 3 + k], radius, now, best)
+                if span < best:
+                    best, one, other = span, i, -1 - face
+            span = drum_time(model, model.drum, rows, i, 0.0, radius)
+            if span < best:
+                best, one, other = span, i, -1 - 8
+    return best, one, other
+
+
+@leaf
+def _meets(well: Any, b: float, c: float, w: float) -> bool:
+    if well is None:
+        return b < 0.0 and b * b - w * c > 0.0
+    return w > 0.0
+
+
+@kernel
+def fly(model: Any, rows: Any, turns: Any, span: float) -> None:
+    """Advances everybody, and wraps positions into the box."""
+    for i in range(rows.shape[0]):
+        for k in range(len(model.lengths)):
+            if not is_fixed(model.inverse_masses, i):
+                rows[i, k] = drift(rows[i, k], rows[i, 3 + k], model.acceleration, k, span)
+                rows[i, 3 + k] = speed_after(rows[i, 3 + k], model.acceleration, k, span)
+            if model.periodic[k]:
+                turn = np.floor(rows[i, k] / model.lengths[k])
+                rows[i, k] -= turn * model.lengths[k]
+                turns[i, k] += np.int64(turn)
+
+
+@kernel
+def happen(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts: Any, now: float) -> bool:
+    """The rule of an event; whether it was a pair's collision."""
+    if j < 0:
+        recent = in_contact_still(model.contact_duration, now - rows[i, _LAST])
+        if j == -1 - 8:
+            at_drum(model, model.drum, rows, spins, i, recent)
+        else:
+            at_plane(model, model.walls, rows, spins, i, counts[i], -1 - j, now, recent)
+        rows[i, _LAST] = now
+        counts[i] += 1
+        return False
+    x, y, z = nearest(model, rows, i, j)
+    distance = np.sqrt(x * x + y * y + z * z)
+    x, y, z = x / distance, y / distance, z / distance
+    gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
+    collided = not _at_edge(model.well, model, rows, bonds, i, j, x, y, z, distance, gn)
+    if collided:
+        recent = in_contact_still(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
+        alpha = normal_restitution(model.restitution, recent)
+        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
+        kick(model, rows, i, j, px, py, pz)
+    for one in (i, j):
+        if not is_fixed(model.inverse_masses, one):
+            rows[one, _LAST] = now
+            counts[one] += 1
+    return collided
+
+
+@leaf
+def _at_edge(
+    well: Any, model: Any, rows: Any, bonds: Any, i: int, j: int, x: float, y: float, z: float, distance: float,
+    gn: float,
+) -> bool:  # fmt: skip
+    if well is None:
+        return False
+    s = contact_distance(model.diameter, model.radii, i, j)
+    if distance < 0.5 * (1.0 + well.range) * s:
+        return False
+    inside = bonded(bonds, i, j)
+    mass = reduced_mass(model.mass, model.inverse_masses, i, j)
+    new, held = well_velocity(gn, inside, 2.0 * well.depth / mass)
+    impulse = mass * (new - gn)
+    kick(model, rows, i, j, impulse * x, impulse * y, impulse * z)
+    if held and not inside:
+        bind(bonds, i, j)
+        bind(bonds, j, i)
+    elif inside and not held:
+        unbind(bonds, i, j)
+        unbind(bonds, j, i)
+    return True

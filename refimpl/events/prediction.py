@@ -1,0 +1,303 @@
+"""When the next event is: closed forms and safe searches, shared by the naive algorithm and the fast one.
+
+Every time is the span from the present; `NEVER` is no event. Pairs: with r and v the relative position and velocity,
+b = r.v, w = v.v, c = r.r - s^2, contact at distance s is at the root of w t^2 + 2 b t + c = 0 (SPEC E8). A common
+acceleration cancels.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from refimpl.events.compiled import kernel, leaf
+from refimpl.events.model import AMPLITUDE, FREQUENCY, OSCILLATING, PHASE
+
+#: Later than anything: large, and still finite, so that sums and comparisons need no special case.
+NEVER = 1e300
+#: Contacts this near, in units of the contact distance squared, are looked at with care.
+NEAR = 1e-9
+#: Rounding of a relative velocity, squared, in units of the two velocities squared: slower is at rest.
+AT_REST = (2.0**-49) ** 2
+#: Rounding of positions that a wall search may stop at, in units of the position.
+TOUCH = 2.0**-50
+
+
+@leaf
+def approach(b: float, c: float, discriminant: float) -> float:
+    """First root for b < 0: c/(sqrt(disc) - b), without cancellation; 0 where rounding has let the pair overlap."""
+    return max(c / (math.sqrt(discriminant) - b), 0.0)
+
+
+@leaf
+def separation(b: float, c: float, w: float, discriminant: float) -> float:
+    """The root at which a pair inside a distance (c <= 0) leaves it."""
+    root = math.sqrt(max(discriminant, 0.0))
+    if b > 0.0:
+        return max(-c / (b + root), 0.0)
+    return (root - b) / w
+
+
+@leaf
+def falling_time(height: float, v: float, a: float) -> float:
+    """First s >= 0 with height + v s + a s^2/2 <= 0 on its way down; a start below 0 is a rounding of 0."""
+    if a == 0.0:
+        return max(-height / v, 0.0) if v < 0.0 else NEVER
+    height = max(height, 0.0)
+    square = v * v - 2.0 * a * height
+    if a < 0.0:
+        root = math.sqrt(square)
+        return (v + root) / -a if v > 0.0 else 2.0 * height / (root - v) if root > v else 0.0
+    if v >= 0.0 or square < 0.0:
+        return NEVER
+    return 2.0 * height / (math.sqrt(square) - v)
+
+
+@kernel
+def oscillating_time(
+    height: float, v: float, a: float, amplitude: float, frequency: float, angle: float, horizon: float, scale: float
+) -> float:
+    """First contact with a wall at amplitude * cos(angle + frequency s), before `horizon`; else `NEVER`.
+
+    height, v, a: of the particle's surface above the wall's middle place. The gap h(s) has |h''| <= M, M = |a| + A
+    omega^2, hence none of its roots lies before that of h + h' s - M s^2/2: steps to it never pass one, and converge
+    quadratically. `scale`: of the coordinates, whose rounding ends the search.
+    """
+    touch = TOUCH * (scale + amplitude)
+    steepest = abs(a) + amplitude * frequency * frequency
+    s = 0.0
+    if height > amplitude:  # nothing can happen above the highest place of the wall
+        s = falling_time(height - amplitude, v, a)
+    while s < horizon:
+        phase = angle + frequency * s
+        gap = height + s * (v + 0.5 * a * s) - amplitude * math.cos(phase)
+        speed = v + a * s + amplitude * frequency * math.sin(phase)
+        if gap <= touch:
+            if speed < 0.0:
+                return s
+            pull = a + amplitude * frequency * frequency * math.cos(phase)
+            if speed == 0.0 and pull < 0.0:
+                return s
+        room = max(gap, 0.0)
+        step = (speed + math.sqrt(speed * speed + 2.0 * steepest * room)) / steepest
+        # where it closes in on the root, or rests on the wall, a step must still be seen on the clock
+        s += max(step, math.sqrt(0.25 * touch / steepest) if gap <= touch else 0.0, 2.0**-52 * s)
+    return NEVER
+
+
+@kernel
+def _value(a0: float, a1: float, a2: float, a3: float, a4: float, s: float) -> float:
+    return a0 + s * (a1 + s * (a2 + s * (a3 + s * a4)))
+
+
+@kernel
+def _root_between(a0: float, a1: float, a2: float, a3: float, a4: float, low: float, high: float) -> float:
+    """The root of a polynomial that is monotonic on [low, high] and changes sign there; the side where it is <= 0."""
+    rising = _value(a0, a1, a2, a3, a4, high) > 0.0
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high:
+            break
+        if (_value(a0, a1, a2, a3, a4, middle) > 0.0) == rising:
+            high = middle
+        else:
+            low = middle
+    return low if rising else high
+
+
+@kernel
+def _cubic_turns(a1: float, a2: float, a3: float, a4: float, end: float) -> tuple[float, float, float]:
+    """Zeros in (0, end) of f' = a1 + 2 a2 s + 3 a3 s^2 + 4 a4 s^3, in order; `end` in place of those that are not."""
+    b0, b1, b2, b3 = a1, 2.0 * a2, 3.0 * a3, 4.0 * a4
+    first, second = end, end  # where f' turns: zeros of b1 + 2 b2 s + 3 b3 s^2
+    square = b2 * b2 - 3.0 * b3 * b1
+    if square > 0.0:
+        q = -(b2 + math.copysign(math.sqrt(square), b2))
+        one, two = q / (3.0 * b3), b1 / q
+        low, high = min(one, two), max(one, two)
+        first = low if 0.0 < low < end else end
+        second = high if 0.0 < high < end else end
+        first, second = min(first, second), max(first, second)
+    found0, found1, found2 = end, end, end
+    low = 0.0
+    for piece in range(3):
+        high = first if piece == 0 else (second if piece == 1 else end)
+        if high > low:
+            at_low, at_high = _value(b0, b1, b2, b3, 0.0, low), _value(b0, b1, b2, b3, 0.0, high)
+            if (at_low > 0.0) != (at_high > 0.0):
+                zero = _root_between(b0, b1, b2, b3, 0.0, low, high)
+                if found0 == end:
+                    found0 = zero
+                elif found1 == end:
+                    found1 = zero
+                else:
+                    found2 = zero
+            low = high
+    return found0, found1, found2
+
+
+@kernel
+def leaving_time(r2: float, ru: float, u2: float, ra: float, ua: float, a2: float, radius: float) -> float:
+    """First time at which a particle inside a circle reaches it: |r + u s + a s^2/2| = radius, outwards.
+
+    r2 = r.r, ru = r.u, ...: of the transverse position, velocity and acceleration. Without acceleration a quadratic;
+    with it a quartic, whose stationary points cut the time into monotonic pieces: no root is missed.
+    """
+    c = r2 - radius * radius
+    if a2 == 0.0:
+        if u2 == 0.0:
+            return NEVER
+        return separation(ru, min(c, 0.0), u2, ru * ru - u2 * c)
+    if c >= 0.0 and ru > 0.0:
+        return 0.0
+    c = min(c, 0.0)
+    c1, c2, c3, c4 = 2.0 * ru, u2 + ra, ua, 0.25 * a2
+    # beyond `end` the acceleration has carried it out
+    end = (2.0 * math.sqrt(u2) + 2.0 * math.sqrt(u2 + math.sqrt(a2) * (math.sqrt(r2) + radius))) / math.sqrt(a2)
+    turns = _cubic_turns(c1, c2, c3, c4, end)
+    low = 0.0
+    for piece in range(4):
+        high = turns[piece] if piece < 3 else end
+        if high > low:
+            if _value(c, c1, c2, c3, c4, low) <= 0.0 < _value(c, c1, c2, c3, c4, high):
+                return _root_between(c, c1, c2, c3, c4, low, high)
+            low = high
+    return NEVER
+
+
+@leaf
+def drift(x: float, v: float, acceleration: Any, axis: int, s: float) -> float:
+    """x + v s + g s^2/2."""
+    if acceleration is None:
+        return x + v * s
+    return x + s * (v + 0.5 * acceleration[axis] * s)
+
+
+@leaf
+def speed_after(v: float, acceleration: Any, axis: int, s: float) -> float:
+    """v + g s."""
+    if acceleration is None:
+        return v
+    return v + acceleration[axis] * s
+
+
+@leaf
+def pull(acceleration: Any, axis: int) -> float:
+    """g along one axis, 0 without a field."""
+    if acceleration is None:
+        return 0.0
+    return acceleration[axis]
+
+
+@leaf
+def contact_distance(diameter: float, radii: Any, i: int, j: int) -> float:
+    """R_i + R_j."""
+    if radii is None:
+        return diameter
+    return radii[i] + radii[j]
+
+
+@leaf
+def radius_of(diameter: float, radii: Any, i: int) -> float:
+    """R_i."""
+    if radii is None:
+        return 0.5 * diameter
+    return radii[i]
+
+
+@leaf
+def bonded(bonds: Any, i: int, j: int) -> bool:
+    """Whether the pair is inside its well; a row of bonds is their number, then the partners."""
+    for slot in range(1, bonds[i, 0] + 1):
+        if bonds[i, slot] == j:
+            return True
+    return False
+
+
+@leaf
+def pair_time(well: Any, bonds: Any, i: int, j: int, b: float, c: float, w: float, s2: float) -> float:
+    """Span to the next event of a pair, core or well; NEVER if there is none."""
+    if well is None:
+        return approach(b, c, b * b - w * c)
+    outer = c + s2 * (1.0 - well.range * well.range)
+    disc = b * b - w * c
+    disc_outer = b * b - w * outer
+    inside = outer < 0.0
+    if abs(outer) < NEAR * s2:  # rounding cannot tell
+        inside = bonded(bonds, i, j)
+    if not inside:
+        return approach(b, outer, disc_outer) if b < 0.0 and disc_outer > 0.0 else NEVER
+    if b < 0.0 and disc > 0.0:
+        return approach(b, c, disc)
+    return separation(b, min(outer, 0.0), w, disc_outer) if w > 0.0 else NEVER
+
+
+@leaf
+def rests(rows: Any, i: int, j: int, b: float, s2: float) -> bool:
+    """A pair in contact whose approach is below the rounding of its velocities."""
+    scale = 0.0
+    for k in range(3):
+        scale += rows[i, 3 + k] ** 2 + rows[j, 3 + k] ** 2
+    return b * b <= AT_REST * s2 * scale
+
+
+@leaf
+def wall_time(
+    model: Any, walls: Any, face: int, x: float, v: float, radius: float, now: float, horizon: float
+) -> float:
+    """Span until a particle at x, with velocity v along the face's axis, meets the wall; NEVER without a wall."""
+    if walls is None:
+        return NEVER
+    if not walls.present[face]:
+        return NEVER
+    axis, near = face >> 1, face & 1 == 0
+    height = x - radius if near else model.lengths[axis] - x - radius
+    v = v if near else -v
+    a = pull(model.acceleration, axis)
+    a = a if near else -a
+    if walls.motion[face] == OSCILLATING:
+        frequency = walls.numbers[face, FREQUENCY]
+        angle = walls.numbers[face, PHASE] + frequency * now
+        return oscillating_time(
+            height, v, a, walls.numbers[face, AMPLITUDE], frequency, angle, horizon, model.lengths[axis]
+        )
+    return falling_time(height, v, a)
+
+
+@leaf
+def drum_time(model: Any, drum: Any, rows: Any, i: int, s: float, radius: float) -> float:
+    """Span until the particle, whose state is s old, reaches the circular wall; NEVER without one."""
+    if drum is None:
+        return NEVER
+    first_axis, second_axis = drum.first, drum.second
+    x = drift(rows[i, first_axis], rows[i, 3 + first_axis], model.acceleration, first_axis, s)
+    y = drift(rows[i, second_axis], rows[i, 3 + second_axis], model.acceleration, second_axis, s)
+    x, y = x - 0.5 * model.lengths[first_axis], y - 0.5 * model.lengths[second_axis]
+    u = speed_after(rows[i, 3 + first_axis], model.acceleration, first_axis, s)
+    v = speed_after(rows[i, 3 + second_axis], model.acceleration, second_axis, s)
+    a, b = pull(model.acceleration, first_axis), pull(model.acceleration, second_axis)
+    return leaving_time(
+        x * x + y * y, x * u + y * v, u * u + v * v, x * a + y * b, u * a + v * b, a * a + b * b, drum.radius - radius
+    )
+
+
+@leaf
+def nearest(model: Any, rows: Any, i: int, j: int) -> tuple[float, float, float]:
+    """r_j - r_i, both brought to the present, of the nearest image."""
+    x, y, z = rows[j, 0] - rows[i, 0], rows[j, 1] - rows[i, 1], rows[j, 2] - rows[i, 2]
+    x = wrapped(x, model.lengths[0], model.periodic[0])
+    y = wrapped(y, model.lengths[1], model.periodic[1])
+    if len(model.lengths) == 3:
+        z = wrapped(z, model.lengths[len(model.lengths) - 1], model.periodic[len(model.lengths) - 1])
+    return x, y, z
+
+
+@leaf
+def wrapped(x: float, length: float, wraps: bool) -> float:
+    """Component of the nearest image."""
+    if wraps:
+        if x > 0.5 * length:
+            return x - length
+        if x < -0.5 * length:
+            return x + length
+    return x

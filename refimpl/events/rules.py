@@ -1,0 +1,366 @@
+"""What happens at a contact: momentum is exchanged at once (SPEC E1-E6). The naive algorithm and the fast one share it.
+
+Rows hold x 0-2, v 3-5 and the particle's own time 6; in two dimensions the third components are zero, and only the
+third of the angular velocity is not. n is the unit vector from i to j (from the particle to the wall).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from refimpl.events.compiled import kernel, leaf
+from refimpl.events.model import (
+    AMPLITUDE,
+    FLUX_PHASE,
+    FREQUENCY,
+    OSCILLATING,
+    PHASE,
+    RESTITUTION,
+    SLIDING,
+    STATIC,
+    TANGENTIAL,
+    TEMPERATURE,
+    THERMAL,
+    UNIFORM_PHASE,
+    VELOCITY,
+)
+
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_MIX1 = np.uint64(0xBF58476D1CE4E5B9)
+_MIX2 = np.uint64(0x94D049BB133111EB)
+_S11, _S27, _S30, _S31 = np.uint64(11), np.uint64(27), np.uint64(30), np.uint64(31)
+
+
+@kernel
+def _mixed(z: Any) -> Any:
+    z = (z ^ (z >> _S30)) * _MIX1
+    z = (z ^ (z >> _S27)) * _MIX2
+    return z ^ (z >> _S31)
+
+
+@kernel
+def random_uniform(seed: Any, particle: int, count: int, draw: int) -> float:
+    """Uniform in (0, 1), a function of its arguments alone: no order of events, no scheduler enters.
+
+    SplitMix64's mixing (Steele, Lea and Flood, OOPSLA 2014) of the seed, the particle, its collision count, the draw.
+    """
+    z = _mixed(np.uint64(seed) + np.uint64(particle + 1) * _GOLDEN)
+    z = _mixed(z + np.uint64(count + 1) * _GOLDEN)
+    z = _mixed(z + np.uint64(draw + 1) * _GOLDEN)
+    return (float(np.int64(z >> _S11)) + 0.5) * 2.0**-53
+
+
+@leaf
+def inverse_mass(mass: float, inverse_masses: Any, i: int) -> float:
+    """1/m_i."""
+    if inverse_masses is None:
+        return 1.0 / mass
+    return inverse_masses[i]
+
+
+@leaf
+def reduced_mass(mass: float, inverse_masses: Any, i: int, j: int) -> float:
+    """m_i m_j/(m_i + m_j)."""
+    if inverse_masses is None:
+        return 0.5 * mass
+    return 1.0 / (inverse_masses[i] + inverse_masses[j])
+
+
+@leaf
+def is_fixed(inverse_masses: Any, i: int) -> bool:
+    """Whether the particle is a scatterer of infinite mass."""
+    if inverse_masses is None:
+        return False
+    return inverse_masses[i] == 0.0
+
+
+@leaf
+def kick(model: Any, rows: Any, i: int, j: int, px: float, py: float, pz: float) -> None:
+    """j gets the momentum p, i loses it."""
+    one = inverse_mass(model.mass, model.inverse_masses, i)
+    other = inverse_mass(model.mass, model.inverse_masses, j)
+    rows[i, 3] -= one * px
+    rows[i, 4] -= one * py
+    rows[i, 5] -= one * pz
+    rows[j, 3] += other * px
+    rows[j, 4] += other * py
+    rows[j, 5] += other * pz
+
+
+@leaf
+def normal_restitution(restitution: Any, recent: bool) -> float:
+    """alpha; 1 for elastic grains, and in the TC model for grains that have collided just before."""
+    if restitution is None:
+        return 1.0
+    return 1.0 if recent else restitution
+
+
+@leaf
+def in_contact_still(contact_duration: Any, age: float) -> bool:
+    """TC model (Luding and McNamara 1998): the last collision is less than t_c ago."""
+    if contact_duration is None:
+        return False
+    return age < contact_duration
+
+
+@leaf
+def tangential_impulse(
+    normal: float, mass: float, slip: float, alpha_t: float, static: float, sliding: float, inertia: float
+) -> float:
+    """Factor of the contact's slip velocity in the tangential impulse on j (SPEC E2, impulse form).
+
+    Sticking: v'_ct = alpha_t v_ct, |J_t| = (1 - alpha_t) q/(1 + q) mu |v_ct|; if that exceeds mu_s J_n, sliding:
+    |J_t| = mu_k J_n. Walton (1993); Foerster et al., Phys. Fluids 6, 1108 (1994).
+    """
+    stick = (1.0 - alpha_t) * inertia / (1.0 + inertia) * mass
+    if stick * slip > static * normal:
+        return -sliding * normal / slip
+    return -stick
+
+
+@leaf
+def pair_impulse(
+    rough: Any, spins: Any, model: Any, rows: Any, i: int, j: int, nx: float, ny: float, nz: float, gn: float,
+    alpha: float, recent: bool,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Momentum that j gets and i loses, for the relative normal velocity gn = (v_j - v_i).n < 0. Turns the spins."""
+    mass = reduced_mass(model.mass, model.inverse_masses, i, j)
+    normal = -(1.0 + alpha) * gn * mass
+    px, py, pz = normal * nx, normal * ny, normal * nz
+    if rough is not None:
+        ri, rj = _radius(model.diameter, model.radii, i), _radius(model.diameter, model.radii, j)
+        wx = ri * spins[i, 0] + rj * spins[j, 0]
+        wy = ri * spins[i, 1] + rj * spins[j, 1]
+        wz = ri * spins[i, 2] + rj * spins[j, 2]
+        tx = rows[j, 3] - rows[i, 3] - gn * nx - (wy * nz - wz * ny)
+        ty = rows[j, 4] - rows[i, 4] - gn * ny - (wz * nx - wx * nz)
+        tz = rows[j, 5] - rows[i, 5] - gn * nz - (wx * ny - wy * nx)
+        slip = math.sqrt(tx * tx + ty * ty + tz * tz)
+        if slip > 0.0 and not recent:
+            factor = tangential_impulse(
+                normal, mass, slip, rough.tangential_restitution, rough.static, rough.sliding, rough.inertia
+            )
+            tx, ty, tz = factor * tx, factor * ty, factor * tz
+            px, py, pz = px + tx, py + ty, pz + tz
+            _turn(
+                spins, i, rough.inertia, inverse_mass(model.mass, model.inverse_masses, i), ri, nx, ny, nz, tx, ty, tz
+            )
+            _turn(
+                spins, j, rough.inertia, inverse_mass(model.mass, model.inverse_masses, j), rj, nx, ny, nz, tx, ty, tz
+            )
+    return px, py, pz
+
+
+@leaf
+def _radius(diameter: float, radii: Any, i: int) -> float:
+    if radii is None:
+        return 0.5 * diameter
+    return radii[i]
+
+
+@leaf
+def _turn(
+    spins: Any, i: int, inertia: float, inverse: float, radius: float, nx: float, ny: float, nz: float,
+    px: float, py: float, pz: float,
+) -> None:  # fmt: skip
+    """I dw = -R n x J for either partner: arm and impulse both change sign between them."""
+    factor = -inverse / (inertia * radius)
+    spins[i, 0] += factor * (ny * pz - nz * py)
+    spins[i, 1] += factor * (nz * px - nx * pz)
+    spins[i, 2] += factor * (nx * py - ny * px)
+
+
+@kernel
+def well_velocity(gn: float, inside: bool, twice_depth: float) -> tuple[float, bool]:
+    """Normal velocity after a pair meets the edge of its well, and whether it is inside then (SPEC E6).
+
+    twice_depth: 2 eps/mu, with mu the reduced mass. Inwards: g'^2 = g^2 + 2 eps/mu (a shoulder, eps < 0, may reflect);
+    outwards: g'^2 = g^2 - 2 eps/mu, or reflection where that is negative.
+    """
+    square = gn * gn + (-twice_depth if inside else twice_depth)
+    if square < 0.0:
+        return -gn, inside
+    return math.copysign(math.sqrt(square), gn), not inside
+
+
+@kernel
+def wall_velocity(numbers: Any, motion: int, now: float, v: float, seed: int, i: int, count: int) -> float:
+    """The wall's own normal velocity V, into the box, that a particle with normal velocity v (< 0) meets.
+
+    Steady: its constant. Oscillating: -A omega sin(omega t + phase). Uniform random phase: V = V0 cos(phi), of those
+    walls that the particle does approach. Flux: phi with weight V - v, as arrivals at a small fast oscillation have.
+    """
+    if motion == OSCILLATING:
+        frequency = numbers[FREQUENCY]
+        return -numbers[AMPLITUDE] * frequency * math.sin(numbers[PHASE] + frequency * now)
+    top = numbers[VELOCITY]
+    if motion == UNIFORM_PHASE or motion == FLUX_PHASE:
+        draw = 0
+        while draw < 10000:
+            own = top * math.cos(2.0 * math.pi * random_uniform(seed, i, count, draw))
+            chance = random_uniform(seed, i, count, draw + 1)
+            draw += 2
+            if own > v and (motion == UNIFORM_PHASE or chance * (abs(top) - v) < own - v):
+                return own
+    return top
+
+
+@kernel
+def thermal_velocity(temperature: float, inverse: float, seed: int, i: int, count: int) -> tuple[float, float, float]:
+    """Velocity from the flux of a gas: normal sqrt(-2 T/m ln u), two tangential components Gaussian of variance T/m."""
+    width = math.sqrt(temperature * inverse)
+    normal = width * math.sqrt(-2.0 * math.log(random_uniform(seed, i, count, 0)))
+    size = width * math.sqrt(-2.0 * math.log(random_uniform(seed, i, count, 1)))
+    angle = 2.0 * math.pi * random_uniform(seed, i, count, 2)
+    return normal, size * math.cos(angle), size * math.sin(angle)
+
+
+@kernel
+def hit_plane(
+    model: Any, walls: Any, rough: Any, seed: Any, rows: Any, spins: Any, i: int, count: int, face: int, now: float,
+    recent: bool,
+) -> None:  # fmt: skip
+    """The rule of a plane wall: v'_n = (1 + alpha) V - alpha v_n, a tangential law, or a thermal wall."""
+    numbers, motion, axis = walls.numbers[face], walls.motion[face], face >> 1
+    inwards = 1.0 if face & 1 == 0 else -1.0
+    inverse = inverse_mass(model.mass, model.inverse_masses, i)
+    v = inwards * rows[i, 3 + axis]
+    if motion == THERMAL:
+        normal, one, two = _thermal(seed, numbers[TEMPERATURE], inverse, i, count)
+        rows[i, 3 + axis] = inwards * normal
+        rows[i, 3 + (axis + 1) % 3] = one
+        rows[i, 3 + (axis + 2) % 3] = two
+        if len(model.lengths) == 2:  # the one tangential axis of two dimensions
+            rows[i, 3 + 1 - axis] = one
+            rows[i, 5] = 0.0
+        return
+    own = _own_velocity(seed, numbers, motion, now, v, i, count)
+    if v - own >= 0.0:
+        return
+    alpha = 1.0 if recent else numbers[RESTITUTION]
+    nx, ny, nz = _minus_unit(axis, inwards)
+    _wall_friction(
+        model, rough, rows, spins, i, nx, ny, nz, 0.0, 0.0, 0.0, (1.0 + alpha) * (own - v) / inverse,
+        numbers[TANGENTIAL], numbers[STATIC], numbers[SLIDING], recent,
+    )  # fmt: skip
+    rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * v)
+
+
+@kernel
+def _minus_unit(axis: int, inwards: float) -> tuple[float, float, float]:
+    return (-inwards if axis == 0 else 0.0, -inwards if axis == 1 else 0.0, -inwards if axis == 2 else 0.0)
+
+
+@leaf
+def _thermal(seed: Any, temperature: float, inverse: float, i: int, count: int) -> tuple[float, float, float]:
+    if seed is None:
+        return 0.0, 0.0, 0.0
+    return thermal_velocity(temperature, inverse, seed, i, count)
+
+
+@leaf
+def _own_velocity(seed: Any, numbers: Any, motion: int, now: float, v: float, i: int, count: int) -> float:
+    if seed is None:
+        return wall_velocity(numbers, motion, now, v, 0, i, count)
+    return wall_velocity(numbers, motion, now, v, seed, i, count)
+
+
+@leaf
+def _wall_friction(
+    model: Any, rough: Any, rows: Any, spins: Any, i: int, nx: float, ny: float, nz: float, ux: float, uy: float,
+    uz: float, normal: float, alpha_t: float, static: float, sliding: float, recent: bool,
+) -> None:  # fmt: skip
+    """Tangential impulse of a wall whose surface moves with velocity u, on a grain that can turn; n is towards it."""
+    if rough is not None:
+        if recent or alpha_t == 1.0:
+            return
+        inverse = inverse_mass(model.mass, model.inverse_masses, i)
+        radius = _radius(model.diameter, model.radii, i)
+        wx, wy, wz = radius * spins[i, 0], radius * spins[i, 1], radius * spins[i, 2]
+        tx = ux - rows[i, 3] - (wy * nz - wz * ny)
+        ty = uy - rows[i, 4] - (wz * nx - wx * nz)
+        tz = uz - rows[i, 5] - (wx * ny - wy * nx)
+        along = tx * nx + ty * ny + tz * nz
+        tx, ty, tz = tx - along * nx, ty - along * ny, tz - along * nz
+        slip = math.sqrt(tx * tx + ty * ty + tz * tz)
+        if slip > 0.0:
+            factor = tangential_impulse(normal, 1.0 / inverse, slip, alpha_t, static, sliding, rough.inertia)
+            tx, ty, tz = factor * tx, factor * ty, factor * tz
+            rows[i, 3] -= tx * inverse
+            rows[i, 4] -= ty * inverse
+            rows[i, 5] -= tz * inverse
+            _turn(spins, i, rough.inertia, inverse, radius, nx, ny, nz, tx, ty, tz)
+
+
+@kernel
+def hit_drum(model: Any, drum: Any, rough: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
+    """The rule of the circular wall, which turns about the box's middle: u = Omega x r at its surface."""
+    first, second = drum.first, drum.second
+    rx = rows[i, first] - 0.5 * model.lengths[first]
+    ry = rows[i, second] - 0.5 * model.lengths[second]
+    r = math.sqrt(rx * rx + ry * ry)
+    rx, ry = rx / r, ry / r
+    gn = rx * rows[i, 3 + first] + ry * rows[i, 3 + second]
+    if gn <= 0.0:
+        return
+    inverse = inverse_mass(model.mass, model.inverse_masses, i)
+    alpha = 1.0 if recent else drum.restitution
+    turning = drum.angular_velocity * drum.radius
+    n = (
+        _component(rx, ry, first, second, 0),
+        _component(rx, ry, first, second, 1),
+        _component(rx, ry, first, second, 2),
+    )
+    u = (
+        turning * _component(-ry, rx, first, second, 0),
+        turning * _component(-ry, rx, first, second, 1),
+        turning * _component(-ry, rx, first, second, 2),
+    )
+    _wall_friction(
+        model, rough, rows, spins, i, n[0], n[1], n[2], u[0], u[1], u[2], (1.0 + alpha) * gn / inverse,
+        drum.tangential_restitution, drum.static, drum.sliding, recent,
+    )  # fmt: skip
+    rows[i, 3 + first] -= (1.0 + alpha) * gn * rx
+    rows[i, 3 + second] -= (1.0 + alpha) * gn * ry
+
+
+@leaf
+def bind(bonds: Any, i: int, j: int) -> None:
+    """j is inside i's well from now on."""
+    bonds[i, 0] += 1
+    bonds[i, bonds[i, 0]] = j
+
+
+@leaf
+def unbind(bonds: Any, i: int, j: int) -> None:
+    """j has left i's well."""
+    for slot in range(1, bonds[i, 0] + 1):
+        if bonds[i, slot] == j:
+            bonds[i, slot] = bonds[i, bonds[i, 0]]
+            bonds[i, 0] -= 1
+            return
+
+
+@leaf
+def at_plane(
+    model: Any, walls: Any, rows: Any, spins: Any, i: int, count: int, face: int, now: float, recent: bool
+) -> None:
+    """`hit_plane`, where there are walls."""
+    if walls is not None:
+        hit_plane(model, walls, model.rough, model.seed, rows, spins, i, count, face, now, recent)
+
+
+@leaf
+def at_drum(model: Any, drum: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
+    """`hit_drum`, where there is one."""
+    if drum is not None:
+        hit_drum(model, drum, model.rough, rows, spins, i, recent)
+
+
+@leaf
+def _component(a: float, b: float, first: int, second: int, axis: int) -> float:
+    """Component `axis` of the vector with a along `first` and b along `second`."""
+    return a if axis == first else (b if axis == second else 0.0)

@@ -1,0 +1,607 @@
+"""Event-driven dynamics of hard disks and spheres: the state, its memory, and the calls of the compiled loop.
+
+    model = hard_spheres(lengths=(10.0, 10.0), periodic=(True, True))
+    simulation = Simulation(model, positions, velocities)
+    simulation.run(until=5.0)
+
+Time is kept as a base and a small remainder, which is moved into the base after a fixed number of events: clocks stay
+as precise as at the start, for any time.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from refimpl.events.kernels import loop, measure, neighbours, schedule
+from refimpl.events.model import FREQUENCY, PHASE, Floats, Model
+from refimpl.events.prediction import NEVER
+
+Scheduler = Literal["tree", "lists", "calendar"]
+
+#: Events between two renewals of the clock's base, per particle; the renewal costs about one prediction each.
+RENEWAL = 64
+#: Wait for a particle's next event that the calendar expects, in passages of a cell.
+WAIT = 0.25
+#: Share of a cell's spare width that its overlap takes.
+OVERLAP = 0.999
+#: Overlap of two particles at the start, in diameters, that passes as rounding of the input.
+TOLERANCE = 1e-9
+
+
+class State(NamedTuple):
+    """time; positions (N, d), not wrapped; velocities (N, d); angular_velocities (N, 1 or 3) or None."""
+
+    time: float
+    positions: Floats
+    velocities: Floats
+    angular_velocities: Floats | None
+
+
+class Simulation:
+    """Hard particles of `model` from the given state.
+
+    positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; zero by default; only
+    with friction. scheduler: "tree" (earliest event of each particle, complete binary tree), "lists" (the documented
+    one: a list of events per owner, complete binary tree), "calendar" (earliest events in a calendar queue). All three
+    give the same events, to the last bit. tallies: measure averages and event observables. fields: cells along each
+    axis for the hydrodynamic fields. counting: count operations. trace: keep a list of all
+    changes of state. ValueError names particles that overlap, lie outside
+    the walls, or are not finite.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        angular_velocities: ArrayLike | None = None,
+        *,
+        scheduler: Scheduler = "tree",
+        tallies: bool = False,
+        fields: tuple[int, ...] | None = None,
+        counting: bool = False,
+        trace: bool = False,
+    ) -> None:
+        x, v = np.array(positions, dtype=np.float64), np.array(velocities, dtype=np.float64)
+        self.dimension = d = len(model.lengths)
+        self.number = n = check_state(model, x, v)
+        self._scheduler, self._counting = scheduler, np.zeros(6, np.int64) if counting else None
+        quantum = 2.0 ** (math.ceil(math.log2(max(model.lengths))) - 51)
+        lengths = tuple(round(length / quantum) * quantum for length in model.lengths)
+        walls = model.walls and model.walls._replace(numbers=model.walls.numbers.copy())
+        self.model = model = model._replace(lengths=lengths, walls=walls)
+        self._grid, blocks = _grid(model, n, quantum, fields)
+        self._rows, ints = _aligned(n, 8, np.float64), _aligned(n, 8, np.int32)
+        self._rows[:, :d] = np.round(x / quantum) * quantum
+        self._rows[:, schedule.SPEED : schedule.SPEED + d] = v
+        spins = None if model.rough is None else spins_of(angular_velocities, n, d)
+        cells = _aligned(math.prod(self._grid.counts), 8, np.int32)
+        self._particles = loop.Particles(self._rows, ints, np.zeros(n), np.zeros((n, 3), np.int32), cells, spins, None)
+        self._scratch = _scratch(d, 8)
+        self._store: Any = schedule.Earliest(0) if scheduler != "lists" else _lists(n, 4 * n + 256)
+        self._queue = _calendar(n) if scheduler == "calendar" else schedule.Tree(np.zeros(n), np.zeros(2 * n, np.int32))
+        self._trace = _trace() if trace else None
+        self._traced: list[tuple[float, int, int]] = []
+        self._progress = np.zeros(5, np.int64)
+        self._base, self._now, self._renewals = (0.0, 0.0), 0.0, 0
+        self._instant = 0.0
+        self.stopped = ""
+        self._settle()
+        self._refuse_overlap()
+        if model.well is not None:
+            self._find_bonds()
+        self._tallies = self._fields = None
+        if tallies or fields is not None:
+            faces = 2 * d + (model.drum is not None)
+            self._tallies = measure.Tallies(np.zeros(18), np.zeros((faces, 5)))
+        if fields is not None:
+            self._fields = _fields(fields, blocks, self._grid, n, ints)
+        self._anchor_tallies()
+        self._initial = self._cell_contents() if fields is not None else {}
+        self._wake()
+
+    # -- running -----------------------------------------------------------------------------------
+
+    def run(self, until: float = math.inf, collisions: int | None = None) -> None:
+        """To the time `until`, or until there have been so many pair collisions since the start: what is sooner.
+
+        An inelastic collapse ends the run earlier and for good: see `stopped`. ValueError if neither is given.
+        """
+        if until == math.inf and collisions is None:
+            raise ValueError("run: give a time, or a number of collisions")
+        most = np.iinfo(np.int64).max if collisions is None else collisions
+        while not self.stopped:
+            end = min(math.fsum((until, -self._base[0], -self._base[1])), 1e299)
+            renewal = (self._renewals + 1) * max(RENEWAL * self.number, 1 << 16)
+            status, self._now = loop.advance(
+                self.model, self._grid, self._particles, self._store, self._queue, self._scratch, self._tallies,
+                self._fields, self._counting, self._trace, self._progress, self._now, end, self._instant, most, renewal,
+            )  # fmt: skip
+            self._collect_trace()
+            if status in (loop.REACHED, loop.COUNTED):
+                return
+            if status == loop.COLLAPSED:
+                self.stopped = self._collapse()
+            elif status == loop.TRACE_FULL:
+                continue
+            elif status == loop.PAUSED:
+                self._renew()
+            else:
+                self._enlarge(status)
+
+    def _collect_trace(self) -> None:
+        if self._trace is not None:
+            length = int(self._trace.filled[0])
+            for time, (one, other) in zip(self._trace.time[:length], self._trace.who[:length].tolist(), strict=True):
+                self._traced.append((math.fsum((*self._base, time)), one, other))
+            self._trace.filled[0] = 0
+
+    def trace(self) -> list[tuple[float, int, int]]:
+        """(time, i, j) of every change of state since the start; j = -1 - face for a wall. Needs `trace`."""
+        if self._trace is None:
+            raise ValueError("events were not traced: give trace=True")
+        return self._traced
+
+    def _collapse(self) -> str:
+        one, other = (int(self._progress[k]) for k in (loop.FIRST, loop.SECOND))
+        who = f"particles {one} and {other}" if other >= 0 else f"particle {one} with a wall"
+        return f"inelastic collapse of {who} at t = {self.time!r}"
+
+    def _renew(self) -> None:
+        """Moves most of the time into its base, and starts all predictions again from there."""
+        self._renewals += 1
+        if self._now > 0:
+            unit = 2.0 ** (math.floor(math.log2(self._now)) - 7)
+            shift = math.floor(self._now / unit) * unit
+            self._base = _two_sum(*self._base, shift)
+            self._now -= shift
+            self._rows[:, schedule.TIME] -= shift
+            if self._tallies is not None:
+                self._tallies.sums[measure.SINCE] -= shift
+            if self._fields is not None:
+                self._fields.since[:] -= shift
+            if self.model.walls is not None:
+                numbers = self.model.walls.numbers
+                numbers[:, PHASE] = (numbers[:, PHASE] + numbers[:, FREQUENCY] * shift) % (2 * math.pi)
+        self._wake()
+
+    def _enlarge(self, status: int) -> None:
+        """Doubles what the next event has no room in; nothing has happened yet."""
+        particles = self._particles
+        if status == loop.CELL_FULL:
+            self._widen_cells()
+        elif status == loop.BONDS_FULL:
+            bonds = np.pad(particles.bonds, ((0, 0), (0, particles.bonds.shape[1])))
+            self._particles = particles._replace(bonds=bonds)
+        else:
+            self._store = _longer(self._store)
+
+    def _widen_cells(self) -> None:
+        old = self._particles.cells
+        cells = _aligned(len(old), 2 * old.shape[1], np.int32)
+        cells[:, : old.shape[1]] = old
+        self._particles = self._particles._replace(cells=cells)
+        self._scratch = _scratch(self.dimension, cells.shape[1])
+
+    def _settle(self) -> None:
+        """Wraps everybody into the box, and puts them into cells."""
+        d, grid, particles = self.dimension, self._grid, self._particles
+        ints, rows = particles.ints, self._rows
+        for k in range(d):
+            side, count = grid.sides[k], grid.counts[k]
+            if grid.wraps[k]:
+                turns = np.floor(rows[:, k] / self.model.lengths[k])
+                rows[:, k] -= turns * self.model.lengths[k]
+                particles.images[:, k] += turns.astype(np.int32)
+            ints[:, schedule.CELL + k] = np.clip(np.floor(rows[:, k] / side), 0, count - 1)
+        x, y, z = (ints[:, schedule.CELL + k].astype(np.int64) for k in range(3))
+        cell = (z * grid.counts[1] + y) * grid.counts[0] + x
+        held = np.bincount(cell, minlength=len(particles.cells))
+        while held.max() >= self._particles.cells.shape[1]:
+            self._widen_cells()
+        order = np.argsort(cell, kind="stable")
+        slot = np.arange(self.number) - np.repeat(np.cumsum(held) - held, held)
+        self._particles.cells[:, 0] = held
+        self._particles.cells[cell[order], slot + 1] = order
+
+    def _wake(self) -> None:
+        """Everybody finds its events anew, at the present."""
+        self._instant = self._shortest_time()
+        mobile = np.full(self.number, True) if self.model.inverse_masses is None else self.model.inverse_masses > 0
+        particles = self._particles
+        self._rows[:, schedule.NEXT] = NEVER
+        particles.ints[:, schedule.PARTNER] = -1
+        particles.ints[:, schedule.OWN] = loop.WAKE
+        particles.own[:] = np.where(mobile, self._now, NEVER)
+        if isinstance(self._store, schedule.Lists):
+            self._store = _lists(self.number, self._store.time.size)
+        self._queue.keys[:] = particles.own
+        if isinstance(self._queue, schedule.Tree):
+            schedule.build_tree(self._queue)
+        else:
+            wait = WAIT * min(self._grid.sides[: self.dimension]) / (self._speed() or 1.0)
+            self._queue.per_time[0] = self.number / wait
+            schedule.build_calendar(self._queue, self._now)
+
+    def _speed(self) -> float:
+        """Root mean square."""
+        return float(np.sqrt(np.mean(np.sum(self._rows[:, schedule.SPEED : schedule.SPEED + 3] ** 2, axis=1))))
+
+    def _shortest_time(self) -> float:
+        """Two collisions of a particle that are nearer in time than this are one instant."""
+        speed = self._speed()
+        size = self.model.diameter or max(self.model.lengths)
+        times = [size / speed] if speed > 0 else []
+        if self.model.acceleration is not None:
+            times.append(math.sqrt(size / math.hypot(*self.model.acceleration)))
+        return 2.0**-33 * min(times, default=0.0)
+
+    # -- the start ---------------------------------------------------------------------------------
+
+    def _refuse_overlap(self) -> None:
+        gap, one, other = self.smallest_gap()
+        if gap < -TOLERANCE * self.model.diameter:
+            raise ValueError(f"particles {one} and {other} overlap by {-gap:.6g}: move them apart")
+
+    def _find_bonds(self) -> None:
+        slots = 32 if self.dimension == 3 else 16
+        while True:
+            bonds = np.zeros((self.number, slots), np.int32)
+            if neighbours.find_bonds(self._radii(), self.model.well.range, bonds, *self._geometry()):
+                break
+            slots *= 2
+        self._particles = self._particles._replace(bonds=bonds)
+
+    def _geometry(self) -> tuple[Any, ...]:
+        """What distances between neighbours need: positions in their cells' frame, cells, the box."""
+        d, grid = self.dimension, self._grid
+        x, lengths = np.zeros((self.number, 3)), np.ones(3)
+        lengths[:d] = self.model.lengths
+        x[:, :d] = self.state().positions - self._particles.images[:, :d] * lengths[:d]
+        cell_of = self._particles.ints[:, schedule.CELL : schedule.CELL + 3]
+        return x, cell_of, self._particles.cells, np.array(grid.counts), np.array(grid.wraps), lengths
+
+    def _radii(self) -> Floats:
+        return np.full(self.number, self.model.diameter / 2) if self.model.radii is None else self.model.radii
+
+    def _anchor_tallies(self) -> None:
+        """The energies, the moment of the field and its rate, from the state."""
+        if self._tallies is None:
+            return
+        sums, field = self._tallies.sums, self.model.acceleration
+        sums[measure.WELLS] = self._well_energy()
+        sums[measure.ENERGY] = self.kinetic_energy() + self._field_energy()
+        if field is not None:
+            masses, (_, x, v, _) = self.masses(), self.state()
+            sums[measure.HEIGHT] = masses @ x @ field
+            sums[measure.RISE] = masses @ v @ field
+            sums[measure.PULL] = masses.sum() * np.dot(field, field)
+
+    # -- looking -----------------------------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        return math.fsum((*self._base, self._now))
+
+    @property
+    def collisions(self) -> int:
+        """Pair collisions (not passages of a well's edge)."""
+        return int(self._progress[loop.PAIRS])
+
+    @property
+    def events(self) -> int:
+        """All events: collisions, walls, wells, cells, and those that were not valid any more."""
+        return int(self._progress[loop.EVENTS])
+
+    def last_collisions(self) -> Floats:
+        """(N,) times of the last change of each state; the start for those without one."""
+        return self._base[0] + (self._base[1] + self._rows[:, schedule.TIME])
+
+    def masses(self) -> Floats:
+        """(N,), 0 for fixed particles: they have no kinetic energy."""
+        inverse = self.model.inverse_masses
+        if inverse is None:
+            return np.full(self.number, self.model.mass)
+        return np.where(inverse > 0, 1.0 / np.where(inverse > 0, inverse, 1.0), 0.0)
+
+    def state(self) -> State:
+        """Everybody at the present; nothing of the simulation is changed."""
+        d = self.dimension
+        span = (self._now - self._rows[:, schedule.TIME])[:, None]
+        g = np.zeros(d) if self.model.acceleration is None else np.array(self.model.acceleration)
+        v = self._rows[:, schedule.SPEED : schedule.SPEED + d]
+        lengths = np.array(self.model.lengths)
+        x = self._rows[:, :d] + self._particles.images[:, :d] * lengths + v * span + 0.5 * g * span**2
+        spins = self._particles.spins
+        return State(self.time, x, v + g * span, None if spins is None else (spins if d == 3 else spins[:, 2:]).copy())
+
+    def rotational_energy(self) -> float:
+        """sum I w^2/2."""
+        spins, rough = self._particles.spins, self.model.rough
+        if spins is None:
+            return 0.0
+        radii = self._radii()
+        return 0.5 * rough.inertia * float(np.sum(self.masses() * radii**2 * np.sum(spins**2, axis=1)))
+
+    def kinetic_energy(self) -> float:
+        """Translational and rotational."""
+        v = self.state().velocities
+        return 0.5 * float(np.sum(self.masses() * np.sum(v**2, axis=1))) + self.rotational_energy()
+
+    def potential_energy(self) -> float:
+        """Of the field, -sum m g.x with x not wrapped, and of the wells."""
+        return self._field_energy() + self._well_energy()
+
+    def _field_energy(self) -> float:
+        field = self.model.acceleration
+        return 0.0 if field is None else -float(self.masses() @ self.state().positions @ field)
+
+    def _well_energy(self) -> float:
+        bonds = self._particles.bonds
+        return 0.0 if bonds is None else -0.5 * self.model.well.depth * float(bonds[:, 0].sum())
+
+    def smallest_gap(self) -> tuple[float, int, int]:
+        """Between two surfaces, negative for an overlap, and whose."""
+        inverse = self.model.inverse_masses
+        fixed = np.zeros(self.number, bool) if inverse is None else inverse == 0
+        gap, one, other = neighbours.closest(self._radii(), fixed, *self._geometry())
+        return float(gap), int(one), int(other)
+
+    def memory(self) -> int:
+        """Bytes of all arrays."""
+        arrays = [*self._particles, *self._store[:], *self._queue, *self._scratch]
+        return sum(array.nbytes for array in arrays if isinstance(array, np.ndarray))
+
+    def operation_counts(self) -> NDArray[np.int64]:
+        """(6,) comparisons, list moves, predictions, cell crossings, invalid events, wall events. Needs `counting`."""
+        if self._counting is None:
+            raise ValueError("operations are not counted: give counting=True")
+        return self._counting.copy()
+
+    def tallies(self) -> dict[str, Any]:
+        """Sums since the start, exact: see the names. Needs `tallies`.
+
+        collisional_virial: sum of r_ij . dp_ij, positive for repulsion. dissipated_energy: lost in pair collisions.
+        wall_impulse (faces, d): momentum given to each face (with a drum one more), wall_energy: energy got from it,
+        wall_collisions; wall_torque: angular momentum about the drum's axis got from the drum.
+        kinetic_energy_integral, potential_energy_integral: over time.
+        """
+        if self._tallies is None:
+            raise ValueError("nothing was measured: give tallies=True")
+        measure.accumulate(self._tallies, self._now)
+        sums, walls = self._tallies
+        return {
+            "collisions": self.collisions,
+            "events": self.events,
+            "collisional_virial": sums[measure.VIRIAL],
+            "dissipated_energy": sums[measure.DISSIPATED],
+            "wall_impulse": walls[:, : self.dimension].copy(),
+            "wall_energy": walls[:, measure.WALL_ENERGY].copy(),
+            "wall_collisions": walls[:, measure.WALL_COUNT].copy(),
+            "wall_torque": sums[measure.TORQUE],
+            "kinetic_energy_integral": sums[measure.ENERGY_TIME] - sums[measure.FIELD_TIME],
+            "potential_energy_integral": sums[measure.FIELD_TIME] + sums[measure.WELLS_TIME],
+        }
+
+    def fields(self) -> dict[str, Floats]:
+        """Hydrodynamic fields since the start; every array has the cells' shape (nx, ny(, nz)), vectors last.
+
+        field_mass, field_momentum, field_kinetic, field_rotational: integrals over time. field_flux_mass,
+        field_flux_momentum, field_flux_energy: (d, ...) through the lower face of each cell along each axis, positive
+        upwards, carried and by collisions. field_dissipation, field_collisions; field_wall_momentum and
+        field_wall_energy: given by walls. field_initial_* and field_final_*: content in mass, momentum and energy.
+        """
+        if self._fields is None:
+            raise ValueError("no fields were measured: give fields=(nx, ny)")
+        measure.settle_fields(self._fields, self.model, self._rows, self._particles.spins, self._now)
+        f, d = self._fields, self.dimension
+        shaped = {
+            "field_mass": f.mass,
+            "field_momentum": f.momentum[:, :d],
+            "field_kinetic": f.kinetic,
+            "field_rotational": f.rotational,
+            "field_dissipation": f.dissipation,
+            "field_collisions": f.collisions,
+            "field_wall_momentum": f.wall_momentum[:, :d],
+            "field_wall_energy": f.wall_energy,
+        }
+        found = {name: self._shaped(values) for name, values in shaped.items()}
+        fluxes = {"mass": f.flux_mass, "momentum": f.flux_momentum[..., :d], "energy": f.flux_energy}
+        for name, values in fluxes.items():
+            found[f"field_flux_{name}"] = np.stack([self._shaped(values[axis]) for axis in range(d)])
+        found |= {f"field_initial_{name}": values for name, values in self._initial.items()}
+        return found | {f"field_final_{name}": values for name, values in self._cell_contents().items()}
+
+    def _shaped(self, values: NDArray[Any]) -> Floats:
+        """(C, ...) with x fastest as (nx, ny(, nz), ...)."""
+        assert self._fields is not None
+        shape = self._fields.shape
+        turned = values.reshape(*shape[::-1], *values.shape[1:])
+        turned = np.moveaxis(turned, (0, 1, 2), (2, 1, 0))
+        return np.ascontiguousarray(turned if self.dimension == 3 else turned[:, :, 0])
+
+    def _cell_contents(self) -> dict[str, Floats]:
+        """Mass, momentum and energy (kinetic, rotational, half of each well) of what is in each cell now."""
+        f, d = self._fields, self.dimension
+        assert f is not None
+        blocks = [self._particles.ints[:, schedule.CELL + k] // f.blocks[k] for k in range(3)]
+        place = (blocks[2] * f.shape[1] + blocks[1]) * f.shape[0] + blocks[0]
+        masses, v, size = self.masses(), self.state().velocities, math.prod(f.shape)
+        energy = 0.5 * masses * np.sum(v**2, axis=1)
+        if self._particles.spins is not None:
+            radii = self._radii()
+            energy += 0.5 * self.model.rough.inertia * masses * radii**2 * np.sum(self._particles.spins**2, axis=1)
+        if self._particles.bonds is not None:
+            energy -= 0.5 * self.model.well.depth * self._particles.bonds[:, 0]
+        momentum = [np.bincount(place, masses * v[:, k], size) for k in range(d)]
+        return {
+            "mass": self._shaped(np.bincount(place, masses, size)),
+            "momentum": self._shaped(np.stack(momentum, axis=1)),
+            "energy": self._shaped(np.bincount(place, energy, size)),
+        }
+
+
+# -- building --------------------------------------------------------------------------------------
+
+
+def check_state(model: Model, x: Floats, v: Floats) -> int:
+    """Number of particles; ValueError names the first that is not finite, or outside a wall."""
+    n, d = len(x), len(model.lengths)
+    if n == 0:
+        raise ValueError("there are no particles")
+    for name, values in (("positions", x), ("velocities", v)):
+        if values.shape != (n, d):
+            raise ValueError(f"{name}: shape {values.shape} for {n} particles in {d} dimensions")
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        if bad.size:
+            raise ValueError(f"{name}[{bad[0]}] is not finite: {values[bad[0]]}")
+    for name, given in (("diameters", model.radii), ("masses", model.inverse_masses)):
+        if given is not None and len(given) != n:
+            raise ValueError(f"{name}: {len(given)} values for {n} particles")
+    if model.inverse_masses is not None:
+        moving = np.flatnonzero((model.inverse_masses == 0) & (v != 0).any(axis=1))
+        if moving.size:
+            raise ValueError(f"velocities[{moving[0]}]: a particle of infinite mass stays at rest")
+    radii = np.full(n, model.diameter / 2) if model.radii is None else model.radii
+    slack = TOLERANCE * (model.diameter or 1.0)
+    if model.walls is not None:
+        for face in np.flatnonzero(model.walls.present):
+            axis, far = divmod(int(face), 2)
+            room = (model.lengths[axis] - x[:, axis] if far else x[:, axis]) - radii
+            _, _, amplitude, _, phase, *_ = model.walls.numbers[face]
+            outside = np.flatnonzero(room - amplitude * math.cos(phase) < -slack)
+            if outside.size:
+                raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the wall of face {face}")
+    if model.drum is not None:
+        middle = np.array([model.lengths[model.drum.first], model.lengths[model.drum.second]]) / 2
+        away = np.linalg.norm(x[:, [model.drum.first, model.drum.second]] - middle, axis=1)
+        outside = np.flatnonzero(away + radii > model.drum.radius + slack)
+        if outside.size:
+            raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the cylinder")
+    return n
+
+
+def _grid(model: Model, n: int, quantum: float, fields: tuple[int, ...] | None) -> tuple[loop.Grid, tuple[int, ...]]:
+    d = len(model.lengths)
+    reach = model.diameter * (1.0 if model.well is None else model.well.range) * (1 + 1e-9)
+    natural = max(reach, (math.prod(model.lengths) / n) ** (1 / d))
+    counts, blocks = [], []
+    for axis, length in enumerate(model.lengths):
+        if fields is None:
+            counts.append(max(1, int(length / natural)))
+            blocks.append(1)
+            continue
+        if len(fields) != d or fields[axis] < 1:
+            raise ValueError(f"fields: {d} positive numbers of cells, got {fields}")
+        side = length / fields[axis]
+        if side < reach:
+            raise ValueError(f"fields: cells of side {side:g} along axis {axis} are smaller than the contact range")
+        blocks.append(max(1, int(side / natural)))
+        counts.append(fields[axis] * blocks[axis])
+    sides = [length / count for length, count in zip(model.lengths, counts, strict=True)]
+    overlaps = [0.0 if fields is not None else 0.5 * OVERLAP * (side - reach) for side in sides]
+    pad = 3 - d
+    shifts = np.zeros((27, 3))
+    for axis, (length, wraps) in enumerate(zip(model.lengths, model.periodic, strict=True)):
+        shifts[:, axis] = wraps * length * (np.arange(27) // 3**axis % 3 - 1)
+    grid = loop.Grid(
+        (*counts, *[1] * pad), (*sides, *[1.0] * pad), (*overlaps, *[0.0] * pad),
+        (*model.periodic, *[False] * pad), shifts, quantum,
+    )  # fmt: skip
+    return grid, (*blocks, *[1] * pad)
+
+
+def _aligned(rows: int, columns: int, kind: Any) -> Any:
+    """Zeros whose rows start on cache lines."""
+    size = rows * columns * np.dtype(kind).itemsize
+    raw = np.zeros(size + 64, np.uint8)
+    start = -raw.ctypes.data % 64
+    return raw[start : start + size].view(kind).reshape(rows, columns)
+
+
+def _scratch(d: int, width: int) -> loop.Scratch:
+    most = 3**d * width + 4
+    return loop.Scratch(np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros((most, 4)))
+
+
+def _trace() -> loop.Trace:
+    length = 1 << 12
+    return loop.Trace(np.zeros(length), np.zeros((length, 2), np.int64), np.zeros(1, np.int64))
+
+
+def _lists(n: int, nodes: int) -> schedule.Lists:
+    """Empty, with so many unused nodes."""
+    after = np.arange(1, nodes + 1, dtype=np.int32)
+    after[-1] = -1
+    return schedule.Lists(
+        np.full(n, -1, np.int32), np.zeros(nodes), np.zeros(nodes, np.int32), np.zeros(nodes, np.int32), after,
+        np.array([0, nodes], np.int32),
+    )  # fmt: skip
+
+
+def _longer(store: schedule.Lists) -> schedule.Lists:
+    """With twice the nodes; the new ones are chained before the unused ones."""
+    size = store.time.size
+    time, partner, count, after = (np.concatenate((array, np.zeros(size, array.dtype))) for array in store[1:5])
+    after[size:] = np.arange(size + 1, 2 * size + 1)
+    after[-1] = store.free[0]
+    free = np.array([size, store.free[1] + size], np.int32)
+    return schedule.Lists(store.heads, time, partner, count, after, free)
+
+
+def _calendar(n: int) -> schedule.Calendar:
+    buckets = 1 << (4 * n - 1).bit_length()
+    return schedule.Calendar(
+        np.zeros(n), np.zeros(n, np.int64), np.zeros(n, np.int32), np.zeros(n, np.int32),
+        np.zeros(buckets, np.int32), np.zeros(1, np.int64), np.zeros(1),
+    )  # fmt: skip
+
+
+def _fields(shape: tuple[int, ...], blocks: tuple[int, ...], grid: loop.Grid, n: int, ints: Any) -> measure.Fields:
+    cells = math.prod(shape)
+    padded = (*shape, *[1] * (3 - len(shape)))
+    sides = tuple(side * block for side, block in zip(grid.sides, blocks, strict=True))
+    return measure.Fields(
+        padded, blocks, sides, np.zeros(cells), np.zeros((cells, 3)), np.zeros(cells), np.zeros(cells),
+        np.zeros((3, cells)), np.zeros((3, cells, 3)), np.zeros((3, cells)), np.zeros(cells), np.zeros(cells),
+        np.zeros((cells, 3)), np.zeros(cells), np.zeros(n), ints,
+    )  # fmt: skip
+
+
+def spins_of(given: ArrayLike | None, n: int, d: int) -> Floats:
+    """(N, 3) from (N, 1) or (N, 3); zeros for None. ValueError for another shape, or what is not finite."""
+    spins = np.zeros((n, 3))
+    if given is not None:
+        values = np.array(given, dtype=np.float64)
+        if values.shape != (n, 1 if d == 2 else 3) or not np.isfinite(values).all():
+            raise ValueError(f"angular_velocities: finite, of shape ({n}, {1 if d == 2 else 3}); got {values.shape}")
+        spins[:, 2 if d == 2 else 0 :] = values
+    return spins
+
+
+def bonds_of(model: Model, positions: Floats) -> Any:
+    """(N, N + 1) partners inside each particle's well, by all pairs; a row is their number, then who."""
+    n, d = positions.shape
+    bonds = np.zeros((n, n + 1), np.int32)
+    radii = np.full(n, model.diameter / 2) if model.radii is None else model.radii
+    for i in range(n):
+        gaps = positions - positions[i]
+        for k in range(d):
+            if model.periodic[k]:
+                gaps[:, k] -= model.lengths[k] * np.round(gaps[:, k] / model.lengths[k])
+        inside = np.sum(gaps**2, axis=1) < (model.well.range * (radii + radii[i])) ** 2
+        inside[i] = False
+        partners = np.flatnonzero(inside)
+        bonds[i, 0], bonds[i, 1 : 1 + partners.size] = partners.size, partners
+    return bonds
+
+
+def _two_sum(high: float, low: float, more: float) -> tuple[float, float]:
+    """(high + low) + more as a sum of two."""
+    total = high + more
+    error = (high - (total - (total - high))) + (more - (total - high))
+    return total, low + error
