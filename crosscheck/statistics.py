@@ -6,10 +6,11 @@ Literature: H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91, 461 (1989) (bloc
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 
 class Mean(NamedTuple):
@@ -73,3 +74,42 @@ def fitted_order(steps: ArrayLike, errors: ArrayLike, floor: float) -> Slope:
     slope = float(np.polyfit(lx, ly, 1)[0])
     local = np.diff(ly) / np.diff(lx)
     return Slope(slope, float(np.abs(local - slope).max()), 3)
+
+
+class Fit(NamedTuple):
+    """Bayesian information criterion (smaller is better) and coefficients of a + b f(N), or a alone."""
+
+    bic: float
+    coefficients: tuple[float, ...]
+
+
+_LAWS: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
+    "log N": np.log,
+    "sqrt N": np.sqrt,
+    "N": lambda n: n,
+    "N^2": lambda n: n**2,
+}
+
+
+def model_comparison(
+    sizes: ArrayLike, values: ArrayLike, errors: ArrayLike, laws: Sequence[str] = ("constant", "log N", "sqrt N", "N")
+) -> dict[str, Fit]:
+    """Fits `values` +- `errors` by each law of growth: constant, or a + b f(N) with f = log N, sqrt N, N, N^2.
+
+    Weighted least squares; BIC = n ln(chi^2/n) + k ln n with k coefficients, for errors that are known up to a common
+    factor (Schwarz, Ann. Stat. 6, 461 (1978)). ValueError for fewer than 4 sizes, or an error that is not positive.
+    """
+    n, y, u = (np.asarray(column, dtype=np.float64) for column in (sizes, values, errors))
+    if n.size < 4 or not (u > 0).all():
+        raise ValueError(f"a comparison of laws needs 4 sizes and positive errors, got {n.size} and {u}")
+    fits = {}
+    for law in laws:
+        columns = [np.ones_like(n)] + ([] if law == "constant" else [_LAWS[law](n)])
+        design = np.stack(columns, axis=1) / u[:, None]
+        # columns of one size: sums of N^2 and of 1 differ by many orders
+        scale = np.linalg.norm(design, axis=0)
+        solution, *_ = np.linalg.lstsq(design / scale, y / u)
+        chi2 = float(np.sum((design / scale @ solution - y / u) ** 2))
+        bic = n.size * np.log(max(chi2, 1e-300) / n.size) + len(columns) * np.log(n.size)
+        fits[law] = Fit(float(bic), tuple(map(float, solution / scale)))
+    return fits

@@ -54,7 +54,7 @@ def _shaken(scene: Scene, amplitude: float, seed: int) -> Scene:
     return scene.changed(
         initial=explicit(positions, np.zeros_like(positions)),
         box=Box(lengths=tuple(lengths.tolist()), boundaries=box.boundaries, wall=box.wall),
-        output=Output(interval=_STILL.dt, observables=OBSERVABLES, forces=True),
+        output=Output(interval=_STILL.step, observables=OBSERVABLES, forces=True),
     )
 
 
@@ -140,15 +140,15 @@ def _start(seed: int) -> Scene:
     assert isinstance(initial, Lattice)
     return TRAJECTORY.changed(
         initial=initial.model_copy(update={"seed": seed}),
-        duration=TRAJECTORY_STEPS * _STILL.dt,
-        output=Output(interval=TRAJECTORY_EVERY * _STILL.dt, trajectory=True),
+        duration=TRAJECTORY_STEPS * _STILL.step,
+        output=Output(interval=TRAJECTORY_EVERY * _STILL.step, trajectory=True),
     )
 
 
 def _judge_early(laboratory: Laboratory, variant: str) -> Judgement:
     """The first 20 steps, one by one: only rounding may separate the two."""
     scene = _start(laboratory.seed()).changed(
-        duration=EARLY_STEPS * _STILL.dt, output=Output(interval=_STILL.dt, trajectory=True)
+        duration=EARLY_STEPS * _STILL.step, output=Output(interval=_STILL.step, trajectory=True)
     )
     run = laboratory.run(scene, _STILL)
     other = laboratory.run(scene, _STILL, engine=variant.removeprefix("against-"))

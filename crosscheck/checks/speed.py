@@ -42,7 +42,7 @@ def _judge_lennard_jones(laboratory: Laboratory, variant: str) -> Judgement:
     melt = fluid(number, 0.8442, 1.44, laboratory.seed(), duration=1.0)
     start = laboratory.run(melt, method, engine="refimpl")
     steps = 800_000 // number
-    scene = melt.changed(initial=explicit(start.final_positions, start.final_velocities), duration=steps * method.dt)
+    scene = melt.changed(initial=explicit(start.final_positions, start.final_velocities), duration=steps * method.step)
     return _judge(laboratory, scene, method, "lammps", 1.5)
 
 
@@ -54,7 +54,7 @@ def _judge_gravity(laboratory: Laboratory, variant: str) -> Judgement:
     scene = Scene(
         name=f"cloud-{number}",
         dimension=3,
-        duration=max(4, 40_000_000 // number**2) * method.dt,
+        duration=max(4, 40_000_000 // number**2) * method.step,
         masses=1.0 / number,
         gravity=Gravity(softening=0.01),
         initial=explicit(positions, np.zeros_like(positions)),

@@ -286,7 +286,9 @@ def _figures(
 
 def _variants(full: bool) -> Variants:
     """All schemes on one figure in the full tier; in the quick one, those of `QUICK` and of other engines."""
-    return lambda engine, schemes: tuple(name for name in schemes if full or engine != "refimpl" or name in QUICK)
+    return lambda engine, schemes: tuple(
+        name for name, claims in schemes.items() if not claims.events and (full or engine != "refimpl" or name in QUICK)
+    )
 
 
 def _check(problem: Problem, full: bool) -> Check:

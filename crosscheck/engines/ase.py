@@ -55,8 +55,8 @@ class AseEngine:
         assert lj is not None
         state = scene.initial_state()
         atoms = _atoms(scene, state, lj)
-        dynamics = VelocityVerlet(atoms, timestep=method.dt)
-        steps, every = scene.steps(method.dt), scene.every(method.dt) or max(scene.steps(method.dt), 1)
+        dynamics = VelocityVerlet(atoms, timestep=method.step)
+        steps, every = scene.steps(method.step), scene.every(method.step) or max(scene.steps(method.step), 1)
         times = sample_times(scene, method)
         shape = (times.size, scene.number, scene.dimension)
         output = scene.output

@@ -16,7 +16,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from crosscheck.scene import Floats, Method, Scene
+from crosscheck.scene import AXES, TALLIES, Floats, Method, Scene
 
 
 @dataclass(frozen=True)
@@ -25,18 +25,20 @@ class Claims:
 
     order, order_damped: global orders of the error (position, velocity) for f(r) and for f(r, v); None: no fixed order
     (adaptive), or velocity-dependent forces not supported. symplectic, reversible: of the map from the initial to the
-    final (r, v); None: nothing is claimed, and nothing is checked.
+    final (r, v); None: nothing is claimed, and nothing is checked. events: the scheme goes from event to event and has
+    no time step; the checks of the others pass it by.
     """
 
     order: tuple[int, int] | None
     order_damped: tuple[int, int] | None = None
     symplectic: bool | None = None
     reversible: bool | None = None
+    events: bool = False
 
 
 @dataclass
 class Cost:
-    """Of one run. wall, cpu, compile: seconds (compile apart from the others); evaluations: of the force."""
+    """Of one run. wall, cpu, compile: seconds (compile apart); evaluations: of the force; events: all kinds."""
 
     wall: float = 0.0
     cpu: float = 0.0
@@ -44,6 +46,7 @@ class Cost:
     steps: int = 0
     evaluations: int = 0
     peak_bytes: int = 0
+    events: int = 0
 
 
 @dataclass
@@ -56,6 +59,13 @@ class Run:
     potential energy is that of the truncation asked for, without tail corrections (the suite adds those).
     final_positions, final_velocities: (N, d), always. forces: (N, d), at the end.
     diverged: the run met a state that is not finite, or lost particles, and stopped there; samples after it are NaN.
+
+    Of hard particles (their kinetic energy contains the rotation, and their potential energy that of the field and of
+    square wells):
+    angular_velocities, final_angular_velocities: (samples, N, 1 | 3) with a trajectory, and (N, 1 | 3); None where
+    nothing rotates. tallies: the observables of `scene.TALLIES` by name, shapes as `tally_shapes` has them, and the
+    arrays "field_*" of `output.fields`. stopped: why the run ended before its time (inelastic collapse), or "";
+    samples after that are NaN, and the final state is that of the moment.
     """
 
     time: Floats
@@ -67,7 +77,11 @@ class Run:
     potential_energy: Floats | None = None
     virial: Floats | None = None
     forces: Floats | None = None
+    angular_velocities: Floats | None = None
+    final_angular_velocities: Floats | None = None
+    tallies: dict[str, Floats] = field(default_factory=dict)
     diverged: bool = False
+    stopped: str = ""
     cost: Cost = field(default_factory=Cost)
 
 
@@ -99,7 +113,57 @@ def timed(cost: Cost) -> Iterator[None]:
 
 
 def sample_times(scene: Scene, method: Method) -> Floats:
-    """Times of the samples, from whole numbers of steps: the start and every `output.interval`; or start and end."""
+    """Times of the samples, from whole numbers of steps: the start and every `output.interval`; or start and end.
+
+    Of a method without a step, `Scene.samples`.
+    """
+    if method.dt is None:
+        return scene.samples()
     steps, every = scene.steps(method.dt), scene.every(method.dt)
     every = every or max(steps, 1)
     return np.arange(0, steps + 1, every) * method.dt
+
+
+#: Before the name of a tally, where the arrays of a run travel in one file.
+TALLY = "tallies."
+#: Columns of the tally "operation_counts".
+OPERATIONS = (
+    "tree_comparisons",
+    "list_moves",
+    "predictions",
+    "cell_crossings",
+    "invalid_events",
+    "wall_events",
+)
+
+
+def face_names(scene: Scene) -> tuple[str, ...]:
+    """Faces in the order of the wall tallies: x-, x+, y-, y+ ..., and the cylinder last, if there is one."""
+    plane = tuple(f"{axis}{side}" for axis in AXES[: scene.dimension] for side in "-+")
+    return (*plane, "cylinder") if scene.across else plane
+
+
+def tally_shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of the tallies that the scene asks for.
+
+    All but rotational_energy accumulate from the start of the run, and are exact. collisions, events: numbers, of pairs
+    and of all kinds. collisional_virial: sum over impulses of r_ij . dp_ij, positive for repulsion, wells included.
+    dissipated_energy: lost in pair collisions. wall_impulse: momentum given by the particles to each face; wall_energy:
+    energy given by each face to the particles; wall_collisions; wall_torque: angular impulse about the cylinder's axis
+    given by it to the particles. kinetic_energy_integral, potential_energy_integral: over time. operation_counts: the
+    columns of `OPERATIONS`. fields: "field_mass", over the grid, stands for them all.
+    """
+    faces = len(face_names(scene))
+    wide: dict[str, tuple[int, ...]] = {
+        "wall_impulse": (faces, scene.dimension),
+        "wall_energy": (faces,),
+        "wall_collisions": (faces,),
+        "operation_counts": (len(OPERATIONS),),
+    }
+    shapes: dict[str, tuple[int, ...]] = {}
+    for name in scene.output.observables:
+        if name in TALLIES:
+            shapes[name] = (samples, *wide.get(name, ()))
+    if scene.output.fields is not None:
+        shapes["field_mass"] = scene.output.fields
+    return shapes

@@ -54,6 +54,8 @@ class LammpsEngine:
     def supports(self, scene: Scene, method: Method) -> str | None:
         if method.scheme not in self.schemes:
             return f"no scheme '{method.scheme}': fix nve is velocity Verlet"
+        if scene.hard_spheres is not None:
+            return "its grains are soft: no hard spheres"
         if np.min(scene.masses) <= 0:
             return "LAMMPS needs positive masses"
         if scene.spring is not None:
@@ -90,11 +92,11 @@ class LammpsEngine:
 def _integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
     state = scene.initial_state()
     system = _System(lmp, scene, state)
-    steps, every = scene.steps(method.dt), scene.every(method.dt) or max(scene.steps(method.dt), 1)
+    steps, every = scene.steps(method.step), scene.every(method.step) or max(scene.steps(method.step), 1)
     output = scene.output
     lmp.commands_list(
         ["fix integrate all nve", *(["fix plane all enforce2d"] if scene.dimension < 3 else [])]
-        + [f"timestep {method.dt!r}", "thermo_style custom step", f"thermo {every}"]
+        + [f"timestep {method.step!r}", "thermo_style custom step", f"thermo {every}"]
         + ["thermo_modify norm no lost error"]  # lost atoms are noticed when thermo prints: at every sample
         + [line for name in output.observables for line in _record(name, scene.dimension, every)]
     )

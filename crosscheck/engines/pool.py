@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.base import Cost, Run
+from crosscheck.engines.base import TALLY, Cost, Run
 from crosscheck.engines.cache import kernel_cache
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.scene import Method, Scene
@@ -60,9 +60,11 @@ class Worker:
         if "unsupported" in reply:
             raise Unsupported(f"{self.engine}: {reply['unsupported']}")
         with np.load(path) as arrays:
-            fields = dict(arrays)
+            fields = {name: arrays[name] for name in arrays if not name.startswith(TALLY)}
+            tallies = {name.removeprefix(TALLY): arrays[name] for name in arrays if name.startswith(TALLY)}
         path.unlink()
-        return Run(**fields, diverged=reply["diverged"], cost=Cost(**reply["cost"]))
+        told = {"diverged": reply["diverged"], "stopped": reply["stopped"], "cost": Cost(**reply["cost"])}
+        return Run(**fields, tallies=tallies, **told)
 
     def close(self) -> None:
         """Ends the process and removes its files."""

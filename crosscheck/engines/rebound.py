@@ -61,8 +61,8 @@ class ReboundEngine:
         state = scene.initial_state()
         simulation = _simulation(scene, state.positions, state.velocities, state.masses)
         simulation.integrator = method.scheme
-        simulation.dt = method.dt
-        steps, every = scene.steps(method.dt), scene.every(method.dt) or max(scene.steps(method.dt), 1)
+        simulation.dt = method.step
+        steps, every = scene.steps(method.step), scene.every(method.step) or max(scene.steps(method.step), 1)
         times = sample_times(scene, method)
         shape = (times.size, scene.number, scene.dimension)
         output = scene.output
@@ -85,7 +85,7 @@ class ReboundEngine:
                 _advance(simulation, method, every, times[sample])
                 record(sample)
             if steps % every:
-                _advance(simulation, method, steps % every, steps * method.dt)
+                _advance(simulation, method, steps % every, steps * method.step)
         cost.steps = int(simulation.steps_done)
         cost.evaluations = 0 if method.scheme == "ias15" else cost.steps
 

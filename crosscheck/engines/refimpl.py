@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,23 @@ from crosscheck.engines.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
 from refimpl.stepping.schemes import SCHEMES
 
+NAIVE = "event_driven_naive"
+#: Event-driven schemes, and the queue of events that `refimpl.events` calls by that name.
+SCHEDULERS = {
+    "event_driven": "tree",
+    "event_driven_lists": "lists",
+    "event_driven_calendar": "calendar",
+    NAIVE: "naive",
+}
+#: What can be told from the states of the naive algorithm.
+_PLAIN = ("kinetic_energy", "potential_energy", "rotational_energy", "collisions", "events")
+
 
 class RefimplEngine:
     name = "refimpl"
-    schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()}
+    schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()} | {
+        name: Claims(None, events=True) for name in SCHEDULERS
+    }
 
     def version(self) -> str:
         import numba
@@ -25,55 +39,82 @@ class RefimplEngine:
         return f"{__version__} (numba {numba.__version__})"
 
     def supports(self, scene: Scene, method: Method) -> str | None:
-        return None if method.scheme in self.schemes else f"no scheme '{method.scheme}'"
+        if method.scheme not in self.schemes:
+            return f"no scheme '{method.scheme}'"
+        if scene.hard_spheres is not None and method.scheme not in SCHEDULERS:
+            return f"'{method.scheme}' takes time steps, hard spheres need an event-driven scheme: {_names(SCHEDULERS)}"
+        if scene.hard_spheres is None and method.scheme in SCHEDULERS:
+            return f"'{method.scheme}' is for [hard_spheres] only: take a scheme with time steps"
+        if method.scheme == NAIVE and scene.hard_spheres is not None:
+            unknown: list[str] = [name for name in scene.output.observables if name not in _PLAIN]
+            if scene.hard_spheres.well is not None and "potential_energy" in scene.output.observables:
+                unknown.append("potential_energy of wells")
+            if scene.output.fields is not None:
+                unknown.append("fields")
+            if unknown:
+                return f"'{NAIVE}' is the plain algorithm, which does not measure {', '.join(unknown)}"
+        return None
 
     def run(self, scene: Scene, method: Method) -> Run:
-        from numba import typeof
+        if scene.hard_spheres is not None:
+            from crosscheck.engines.refimpl_events import run_events
 
-        from refimpl.stepping.integrate import acceleration, compile_steps, integrate
+            return run_events(scene, SCHEDULERS[method.scheme])
+        return _run_steps(scene, method)
 
-        state = scene.initial_state()
-        force = _force(scene, state)
-        r, v = state.positions.ravel(), state.velocities.ravel()
-        steps, every = scene.steps(method.dt), scene.every(method.dt)
-        output = scene.output
-        cost = Cost()
 
-        started, thermo = time.perf_counter(), bool(output.observables)
-        forces_type = str(typeof(force))
-        with one_at_a_time(forces_type):
-            integrate(method.scheme, force, r, v, method.dt, 0, thermo=thermo)  # compiles the forces
-        if steps:
-            with one_at_a_time(f"{type(SCHEMES[method.scheme].record).__name__} {thermo} {forces_type}"):
-                compile_steps(method.scheme, force, r, v, method.dt, thermo=thermo)
-        cost.compile = time.perf_counter() - started
+def _names(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)
 
-        with timed(cost):
-            done = integrate(
-                method.scheme, force, r, v, method.dt, steps, every=every, trajectory=output.trajectory, thermo=thermo
-            )
-        cost.steps, cost.evaluations = done.steps, done.evaluations
 
-        def rows(flat: Floats) -> Floats:
-            return flat.reshape(*flat.shape[:-1], scene.number, scene.dimension)
+def _run_steps(scene: Scene, method: Method) -> Run:
+    from numba import typeof
 
-        run = Run(
-            time=sample_times(scene, method),
-            final_positions=rows(done.r),
-            final_velocities=rows(done.v),
-            diverged=done.diverged,
-            cost=cost,
+    from refimpl.stepping.integrate import acceleration, compile_steps, integrate
+
+    state = scene.initial_state()
+    force = _force(scene, state)
+    r, v = state.positions.ravel(), state.velocities.ravel()
+    dt = method.step
+    steps, every = scene.steps(dt), scene.every(dt)
+    output = scene.output
+    cost = Cost()
+
+    started, thermo = time.perf_counter(), bool(output.observables)
+    forces_type = str(typeof(force))
+    with one_at_a_time(forces_type):
+        integrate(method.scheme, force, r, v, dt, 0, thermo=thermo)  # compiles the forces
+    if steps:
+        with one_at_a_time(f"{type(SCHEMES[method.scheme].record).__name__} {thermo} {forces_type}"):
+            compile_steps(method.scheme, force, r, v, dt, thermo=thermo)
+    cost.compile = time.perf_counter() - started
+
+    with timed(cost):
+        done = integrate(
+            method.scheme, force, r, v, dt, steps, every=every, trajectory=output.trajectory, thermo=thermo
         )
-        if done.positions is not None and done.velocities is not None:
-            run.positions, run.velocities = rows(done.positions), rows(done.velocities)
-        if done.thermo is not None:
-            for column, name in enumerate(("kinetic_energy", "potential_energy", "virial")):
-                if name in output.observables:
-                    setattr(run, name, done.thermo[:, column])
-        if output.forces:
-            a, _ = acceleration(done.force, done.r, done.v)
-            run.forces = rows(a) * state.masses[:, None]
-        return run
+    cost.steps, cost.evaluations = done.steps, done.evaluations
+
+    def rows(flat: Floats) -> Floats:
+        return flat.reshape(*flat.shape[:-1], scene.number, scene.dimension)
+
+    run = Run(
+        time=sample_times(scene, method),
+        final_positions=rows(done.r),
+        final_velocities=rows(done.v),
+        diverged=done.diverged,
+        cost=cost,
+    )
+    if done.positions is not None and done.velocities is not None:
+        run.positions, run.velocities = rows(done.positions), rows(done.velocities)
+    if done.thermo is not None:
+        for column, name in enumerate(("kinetic_energy", "potential_energy", "virial")):
+            if name in output.observables:
+                setattr(run, name, done.thermo[:, column])
+    if output.forces:
+        a, _ = acceleration(done.force, done.r, done.v)
+        run.forces = rows(a) * state.masses[:, None]
+    return run
 
 
 def _force(scene: Scene, state: State) -> Any:

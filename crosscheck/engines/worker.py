@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.base import Engine, Run
+from crosscheck.engines.base import TALLY, Claims, Engine, Run, sample_times, tally_shapes
 from crosscheck.engines.registry import load_engine
 from crosscheck.errors import UsageError
-from crosscheck.scene import Method, Scene
+from crosscheck.scene import TALLIES, Method, Scene
 
 
 def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
@@ -34,32 +34,48 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
         return {"reason": reason}
     if reason is not None:
         return {"unsupported": reason}
+    _check_step(engine.schemes.get(method.scheme), method)
     run = engine.run(scene, method)
     _check(run, scene, method)
-    arrays = {f.name: getattr(run, f.name) for f in dataclasses.fields(run) if f.name not in ("diverged", "cost")}
+    apart = ("diverged", "stopped", "cost", "tallies")
+    arrays = {f.name: getattr(run, f.name) for f in dataclasses.fields(run) if f.name not in apart}
+    arrays |= {f"{TALLY}{name}": array for name, array in run.tallies.items()}
     np.savez(request["path"], **{name: array for name, array in arrays.items() if array is not None})
-    return {"diverged": bool(run.diverged), "cost": dataclasses.asdict(run.cost)}
+    return {"diverged": bool(run.diverged), "stopped": str(run.stopped), "cost": dataclasses.asdict(run.cost)}
+
+
+def _check_step(claims: Claims | None, method: Method) -> None:
+    """UsageError if a scheme that takes time steps has none, or one that goes from event to event has one."""
+    if claims is None or not claims.events:
+        _ = method.step
+    elif method.dt is not None:
+        raise UsageError(f"method.dt = {method.dt:g}: scheme '{method.scheme}' goes from event to event: remove dt")
 
 
 def _check(run: Run, scene: Scene, method: Method) -> None:
     """Refuses a malformed answer here, where the engine's name is known, not in the analysis later."""
-    shape = (scene.number, scene.dimension)
-    samples = len(run.time)
-    steps, every = scene.steps(method.dt), scene.every(method.dt)
-    expected = steps // (every or max(steps, 1)) + 1
+    shape, spin = (scene.number, scene.dimension), (scene.number, scene.spin_dimension)
+    samples, expected = len(run.time), len(sample_times(scene, method))
     if samples != expected:
         raise ValueError(f"run.time has {samples} samples, the scene asks for {expected}")
     wanted: dict[str, tuple[int, ...]] = {"final_positions": shape, "final_velocities": shape}
     if scene.output.trajectory:
         wanted |= {"positions": (samples, *shape), "velocities": (samples, *shape)}
+    if scene.spin_dimension:
+        wanted["final_angular_velocities"] = spin
+        if scene.output.trajectory:
+            wanted["angular_velocities"] = (samples, *spin)
     if scene.output.forces:
         wanted["forces"] = shape
-    wanted |= dict.fromkeys(scene.output.observables, (samples,))
-    for name, expected_shape in wanted.items():
-        array = getattr(run, name)
+    wanted |= {name: (samples,) for name in scene.output.observables if name not in TALLIES}
+    found = {name: getattr(run, name) for name in wanted}
+    tallies = tally_shapes(scene, samples)
+    for name, expected_shape in (wanted | tallies).items():
+        array = run.tallies.get(name) if name in tallies else found[name]
         if array is None or array.shape != expected_shape:
-            found = "None" if array is None else f"shape {array.shape}"
-            raise ValueError(f"run.{name} must have shape {expected_shape}, found {found}")
+            what = f"run.tallies['{name}']" if name in tallies else f"run.{name}"
+            met = "None" if array is None else f"shape {array.shape}"
+            raise ValueError(f"{what} must have shape {expected_shape}, found {met}")
 
 
 def serve(engine_name: str, read_fd: int, write_fd: int) -> None:

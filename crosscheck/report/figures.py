@@ -2,7 +2,8 @@
 
 Colour and dashes tell the curve (a scheme), the marker tells the engine: filled for the first, open and larger for
 the others, which stay visible around it where engines agree. The legend is HTML, so that it stays readable on a
-phone. Points that are not finite, or that do not fit on the axis, are drawn at its edge as a cross.
+phone. Points that are not finite, or that do not fit on the axis, are drawn at its edge as a cross. A histogram is an
+outline of its bins, filled where it is alone, with its marker at their centres where there are several engines.
 """
 
 from __future__ import annotations
@@ -12,15 +13,19 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from crosscheck.engines.registry import OWN
 from crosscheck.record import Line
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
 
 #: Colours of the curves on a light and on a dark page: each stands out from its background by 3:1 or more, and from its
 #: neighbours in lightness too, for those who see fewer hues. The template turns them into CSS variables --c0, --c1, ...
@@ -46,20 +51,26 @@ MARKERS: dict[str, str] = {
     "<": '<path d="M-3.8 0 3 3.6 3-3.6z"/>',
     ">": '<path d="M3.8 0-3 3.6-3-3.6z"/>',
 }
+#: Samples of a curve and of a histogram in the legend.
+_LINE, _STEPS = "M-15 0H15", "M-13 5V1H-5V-4H4V-1H13V5"
 # stand-ins for the colours of the page, which matplotlib does not know
 _INK, _GRID = "#010203", "#070809"
-_WIDTH, _HEIGHT, _TALL = 440, 300, 370
+WIDTH, _HEIGHT, _TALL = 440, 300, 370
 #: More curves than this get the tall axes.
 _CROWD = 8
 #: A logarithmic axis shows at most so many decades; what lies outside counts as off the scale.
 _DECADES = 24
 _MARKED = 60
-_LARGEST = 1e150
+#: What is not smaller counts as not finite.
+LARGEST = 1e150
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One series of one verdict. name: what the legend calls it, the same for all engines."""
+    """One series of one verdict. name: what the legend calls it, the same for all engines.
+
+    bins: x holds the edges of a histogram, one more than y.
+    """
 
     name: str
     engine: str
@@ -67,6 +78,18 @@ class Curve:
     y: tuple[float, ...]
     error: tuple[float, ...] | None
     theory: bool
+    bins: bool
+
+    @property
+    def points(self) -> list[tuple[float, float]]:
+        """(x, y), of a histogram at the centres of its bins."""
+        x = [0.5 * (a + b) for a, b in pairwise(self.x)] if self.bins else self.x
+        return list(zip(x, self.y, strict=True))
+
+    def outline(self, base: float) -> tuple[list[float], list[float]]:
+        """The corners of a histogram that stands on `base`."""
+        x = [edge for edge in self.x for _ in range(2)]
+        return x, [base, *(height for height in self.y for _ in range(2)), base]
 
 
 @dataclass(frozen=True)
@@ -96,11 +119,14 @@ class Key:
 
 @dataclass(frozen=True)
 class Drawing:
+    """failed: number of points drawn at the edge. remarks: what else the reader must know, a sentence each."""
+
     title: str
     svg: str
     curves: list[Key]
     engines: list[Key]
-    failed: int
+    failed: int = 0
+    remarks: list[str] = field(default_factory=list)
 
 
 def engine_order(engine: str) -> tuple[int, str]:
@@ -112,10 +138,12 @@ def engine_order(engine: str) -> tuple[int, str]:
 
 
 def panels(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Panel]:
-    """The figures of the verdicts of one check, merged by title, in the order of their first appearance."""
+    """The curves of the verdicts of one check, merged by title, in the order of their first appearance."""
     merged: dict[str, tuple[dict[str, Any], list[tuple[Line, dict[str, Any]]]]] = {}
     for line in sorted(lines, key=lambda line: (line["check"], engine_order(line["engine"]))):
         for figure in line.get("figures") or ():
+            if figure.get("snapshot") or figure.get("map"):
+                continue
             _, series = merged.setdefault(figure["title"], (figure, []))
             series += [(line, one) for one in figure["series"]]
     return [
@@ -143,12 +171,13 @@ def _curves(series: list[tuple[Line, dict[str, Any]]], variant: Callable[[Line],
         if any(_same(curve.x, x) and _same(curve.y, y) for curve in known):
             continue
         if label in ambiguous or known:
-            label = _qualified(label, variant(line))
-        curves.append(Curve(label, line["engine"], x, y, None if error is None else _numbers(error), theory))
+            label = qualified(label, variant(line))
+        error = None if error is None else _numbers(error)
+        curves.append(Curve(label, line["engine"], x, y, error, theory, bool(one.get("bins"))))
     return tuple(curves)
 
 
-def _qualified(label: str, variant: str) -> str:
+def qualified(label: str, variant: str) -> str:
     """The label with its variant, once: a word of the one that is the other is not said again."""
     if variant in re.split(r"[\s,:]+", label):
         return label
@@ -157,7 +186,7 @@ def _qualified(label: str, variant: str) -> str:
 
 def _numbers(values: Sequence[float | None]) -> tuple[float, ...]:
     """The record writes null for what is not finite; so does here NaN for what no axis can hold."""
-    return tuple(math.nan if v is None or not abs(v) < _LARGEST else float(v) for v in values)
+    return tuple(math.nan if v is None or not abs(v) < LARGEST else float(v) for v in values)
 
 
 def _same(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
@@ -180,11 +209,25 @@ def _markers(group: Iterable[str]) -> dict[str, str]:
 
 def draw(panel: Panel, numbers: dict[str, int], prefix: str) -> Drawing:
     """The panel as SVG. numbers: of `curve_numbers`. prefix: makes its ids unique in the page."""
-    import matplotlib
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
+    markers = _markers(panel.engines)
+    height = _TALL if len(panel.curves) > _CROWD else _HEIGHT
+    with style():
+        figure = sheet(height)
+        # margins that hold two lines of either label: a layout engine would double the time
+        figure.subplots_adjust(left=84 / WIDTH, right=1 - 12 / WIDTH, bottom=58 / height, top=1 - 12 / height)
+        axes = figure.add_subplot(facecolor="none")
+        _prepare(axes, panel)
+        failed = _plot(axes, panel, numbers, markers)
+        svg = to_svg(figure, panel.title, prefix)
+    curves, engines = _legend(panel, numbers, markers)
+    return Drawing(panel.title, svg, curves, engines, failed)
 
-    style: Any = {
+
+def style() -> AbstractContextManager[None]:
+    """The settings under which a figure is made and written."""
+    import matplotlib
+
+    settings: Any = {
         "svg.fonttype": "none",
         "svg.hashsalt": "crosscheck",
         "font.family": "DejaVu Sans",
@@ -197,21 +240,24 @@ def draw(panel: Panel, numbers: dict[str, int], prefix: str) -> Drawing:
         "ytick.color": _INK,
         "path.simplify_threshold": 0.3,
     }
-    markers = _markers(panel.engines)
-    height = _TALL if len(panel.curves) > _CROWD else _HEIGHT
-    with matplotlib.rc_context(style):
-        figure = Figure(figsize=(_WIDTH / 72, height / 72), facecolor="none")
-        # margins that hold two lines of either label: a layout engine would double the time
-        figure.subplots_adjust(left=84 / _WIDTH, right=1 - 12 / _WIDTH, bottom=58 / height, top=1 - 12 / height)
-        FigureCanvasSVG(figure)
-        axes = figure.add_subplot(facecolor="none")
-        _prepare(axes, panel)
-        failed = _plot(axes, panel, numbers, markers)
-        file = io.StringIO()
-        nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
-        figure.savefig(file, format="svg", metadata=nothing)
-    curves, engines = _legend(panel, numbers, markers)
-    return Drawing(panel.title, _inline(file.getvalue(), panel.title, height, prefix), curves, engines, failed)
+    return matplotlib.rc_context(settings)
+
+
+def sheet(height: float) -> Figure:
+    """An empty figure of the width of the page, in units of the SVG."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH / 72, height / 72), facecolor="none")
+    FigureCanvasSVG(figure)
+    return figure
+
+
+def to_svg(figure: Figure, title: str, prefix: str) -> str:
+    file = io.StringIO()
+    nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+    figure.savefig(file, format="svg", metadata=nothing)
+    return _inline(file.getvalue(), title, round(72 * figure.get_figheight()), prefix)
 
 
 def _prepare(axes: Axes, panel: Panel) -> None:
@@ -231,7 +277,12 @@ def _prepare(axes: Axes, panel: Panel) -> None:
     axes.set_xscale(panel.x_scale)
     axes.set_yscale(panel.y_scale)
     axes.set_xlim(_ticks_and_limits(axes.xaxis, panel.x_scale, x))
-    axes.set_ylim(_ticks_and_limits(axes.yaxis, panel.y_scale, y))
+    low, high = _ticks_and_limits(axes.yaxis, panel.y_scale, y)
+    if panel.y_scale == "linear" and any(curve.bins for curve in panel.curves):
+        # bars stand on zero; no error bar makes room below it
+        low = min(low, 0.0) if any(value < 0 for curve in panel.curves for value in curve.y) else 0.0
+        high = max(high, 0.0)
+    axes.set_ylim(low, high)
 
 
 def _ticks_and_limits(axis: Axis, scale: str, values: list[float]) -> tuple[float, float]:
@@ -276,29 +327,38 @@ def _plot(axes: Axes, panel: Panel, numbers: dict[str, int], markers: dict[str, 
     """Draws the curves; returns how many points are drawn at the edge."""
     several = len(panel.engines) > 1
     theories = [curve for curve in panel.curves if curve.theory]
+    alone = sum(curve.bins and not curve.theory for curve in panel.curves) == 1
+    floor = axes.get_ylim()[0]
+    base = floor if panel.y_scale == "log" else 0.0
     failed = 0
     for curve in panel.curves:
         if curve.theory:
             place = theories.index(curve)
             dashes = THEORY_DASHES[place % len(THEORY_DASHES)]
-            axes.plot(curve.x, curve.y, color=_INK, linewidth=0.9, dashes=dashes, gid=f"t{place}", zorder=2.2)
+            x, y = curve.outline(base) if curve.bins else (curve.x, curve.y)
+            axes.plot(x, y, color=_INK, linewidth=0.9, dashes=dashes, gid=f"t{place}", zorder=2.2)
             continue
         number = numbers[curve.name]
         colour = PALETTE[number % len(PALETTE)][0]
         cycle = number // len(PALETTE)
         gid = f"k{number}-e{list(markers).index(curve.engine)}"
-        inside = [_inside(axes, x, y) for x, y in zip(curve.x, curve.y, strict=True)]
-        x = [value if good else math.nan for value, good in zip(curve.x, inside, strict=True)]
-        y = [value if good else math.nan for value, good in zip(curve.y, inside, strict=True)]
+        inside = [_inside(axes, x, y, curve.bins) for x, y in curve.points]
+        x = [x if good else math.nan for (x, _), good in zip(curve.points, inside, strict=True)]
+        y = [y if good else math.nan for (_, y), good in zip(curve.points, inside, strict=True)]
         many = len(x) > _MARKED
-        joined = many or curve.error is None or not theories
+        joined = not curve.bins and (many or curve.error is None or not theories)
+        if curve.bins:
+            corners = curve.outline(base)
+            axes.plot(*corners, color=colour, linewidth=1.2, linestyle=(0, DASHES[cycle % len(DASHES)]), gid=gid)
+            if alone:
+                axes.fill_between(*corners, base, color=colour, alpha=0.22, linewidth=0, gid=gid)
         axes.plot(
             x,
             y,
             color=colour,
             linewidth=1.4,
             linestyle=(0, DASHES[cycle % len(DASHES)]) if joined else "none",
-            marker=markers[curve.engine] if several or not many else "none",
+            marker=markers[curve.engine] if several or not (many or curve.bins) else "none",
             markevery=len(x) // 12 if many else None,
             markersize=4.2 if curve.engine == panel.engines[0] else 6.5,
             markerfacecolor=colour if curve.engine == panel.engines[0] else "none",
@@ -309,7 +369,7 @@ def _plot(axes: Axes, panel: Panel, numbers: dict[str, int], markers: dict[str, 
             bars = axes.errorbar(x, y, curve.error, fmt="none", ecolor=colour, elinewidth=0.9)
             for bar in bars.lines[2]:
                 bar.set_gid(gid)
-        edge = [_edge(axes, px, py) for px, py, good in zip(curve.x, curve.y, inside, strict=True) if not good]
+        edge = [_edge(axes, px, py) for (px, py), good in zip(curve.points, inside, strict=True) if not good]
         if edge:
             across, up = zip(*edge, strict=True)
             axes.plot(
@@ -320,9 +380,10 @@ def _plot(axes: Axes, panel: Panel, numbers: dict[str, int], markers: dict[str, 
     return failed
 
 
-def _inside(axes: Axes, x: float, y: float) -> bool:
+def _inside(axes: Axes, x: float, y: float, bar: bool) -> bool:
+    """Whether a point is drawn where it is; a bar that ends below the axis, as an empty one on a log scale, is."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    return left <= x <= right and bottom <= y <= top
+    return left <= x <= right and (y <= top if bar else bottom <= y <= top)
 
 
 def _edge(axes: Axes, x: float, y: float) -> tuple[float, float]:
@@ -352,7 +413,7 @@ def _inline(svg: str, title: str, height: int, prefix: str) -> str:
     svg = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->", "", svg, flags=re.DOTALL)
     svg = re.sub(
         r"<svg[^>]*>",
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img" '
         f'aria-label="{escape(title)}">',
         svg,
         count=1,
@@ -397,13 +458,14 @@ def _legend(panel: Panel, numbers: dict[str, int], markers: dict[str, str]) -> t
         number = numbers[name]
         cycle = number // len(PALETTE) % len(DASHES)
         colour = f"var(--c{number % len(PALETTE)})"
-        line = _stroke(colour, 1.8, DASHES[cycle])
-        if not several and len(first[name].x) <= _MARKED:
+        line = _stroke(colour, 1.8, DASHES[cycle], _STEPS if first[name].bins else _LINE)
+        if not several and not first[name].bins and len(first[name].x) <= _MARKED:
             line += _marker(markers[first[name].engine], colour, colour)
         curves.append(Key(name, f"k{number}", _sample(line)))
     theories = [curve for curve in panel.curves if curve.theory]
     for place, curve in enumerate(theories):
-        line = _stroke("currentColor", 1.1, THEORY_DASHES[place % len(THEORY_DASHES)])
+        dashes = THEORY_DASHES[place % len(THEORY_DASHES)]
+        line = _stroke("currentColor", 1.1, dashes, _STEPS if curve.bins else _LINE)
         curves.append(Key(curve.name, f"t{place}", _sample(line)))
     engines = [
         Key(
@@ -421,9 +483,9 @@ def _sample(content: str, width: int = 30) -> str:
     return f'<svg viewBox="{-width // 2} -6 {width} 12" width="{width}" height="12" aria-hidden="true">{content}</svg>'
 
 
-def _stroke(colour: str, width: float, dashes: tuple[float, ...]) -> str:
+def _stroke(colour: str, width: float, dashes: tuple[float, ...], path: str) -> str:
     pattern = f' stroke-dasharray="{" ".join(f"{d * width:.1f}" for d in dashes)}"' if dashes else ""
-    return f'<path d="M-15 0H15" style="stroke:{colour}" stroke-width="{width}"{pattern}/>'
+    return f'<path d="{path}" style="stroke:{colour}" stroke-width="{width}"{pattern}/>'
 
 
 def _marker(marker: str, edge: str, face: str) -> str:

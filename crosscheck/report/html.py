@@ -17,7 +17,7 @@ from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.engines.registry import OWN
 from crosscheck.record import Line, read
-from crosscheck.report import figures, numbers
+from crosscheck.report import figures, numbers, pictures
 
 FILE = "report.html"
 #: Worst first: the order of everything in the report.
@@ -104,6 +104,7 @@ def render(lines: list[Line], name: str) -> str:
     return environment.get_template("template.html.j2").render(
         name=name,
         palette=figures.PALETTE,
+        colour_map=pictures.colours(),
         lines=lines,
         by_outcome=by_outcome,
         tally=_tally(lines),
@@ -197,11 +198,14 @@ def _by_group(sections: list[Section]) -> list[tuple[str, list[Section]]]:
 
 
 def _draw(group: list[Section], prefix: str) -> None:
-    """Draws the figures of some checks, in which the same curve gets the same colour."""
+    """Draws the figures of some checks, in which the same curve gets the same colour; pictures come after curves."""
     panels = [(section, panel) for section in group for panel in figures.panels(section.lines, section.variant)]
     styles = figures.curve_numbers(panel for _, panel in panels)
     for number, (section, panel) in enumerate(panels):
         section.drawings.append(figures.draw(panel, styles, f"{prefix}-{number}"))
+    images = [(section, one) for section in group for one in pictures.pictures(section.lines, section.variant)]
+    for number, (section, picture) in enumerate(images, len(panels)):
+        section.drawings.append(pictures.draw(picture, f"{prefix}-{number}"))
 
 
 # -- where it comes from -------------------------------------------------------------------------------------

@@ -14,8 +14,11 @@ from numba import njit
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 _ALL: dict[str, Any] = {"_nrt": False, "error_model": "numpy"}
-#: Options of a function that melts into its caller, for `overload` too.
-LEAF: dict[str, Any] = {**_ALL, "forceinline": True}
+KERNEL: dict[str, Any] = {**_ALL, "cache": True, "no_cfunc_wrapper": True}
+#: Options of a function that melts into its caller.
+LEAF: dict[str, Any] = {**_ALL, "forceinline": True, "no_cfunc_wrapper": True}
+#: The same without an entry for Python, which would have to unpack whole records: a third of the time of compilation.
+INNER: dict[str, Any] = {**LEAF, "no_cpython_wrapper": True}
 
 
 def leaf(function: _F) -> _F:
@@ -23,6 +26,11 @@ def leaf(function: _F) -> _F:
     return cast(_F, njit(**LEAF)(function))
 
 
+def inner(function: _F) -> _F:
+    """A leaf that only compiled code may call: from Python it crashes the process."""
+    return cast(_F, njit(**INNER)(function))
+
+
 def kernel(function: _F) -> _F:
     """Compiled on its own, and kept on disk."""
-    return cast(_F, njit(cache=True, **_ALL)(function))
+    return cast(_F, njit(**KERNEL)(function))

@@ -86,7 +86,7 @@ class Simulation:
         self._queue = _calendar(n) if scheduler == "calendar" else schedule.Tree(np.zeros(n), np.zeros(2 * n, np.int32))
         self._trace = _trace() if trace else None
         self._traced: list[tuple[float, int, int]] = []
-        self._progress = np.zeros(5, np.int64)
+        self._progress = np.zeros(6, np.int64)
         self._base, self._now, self._renewals = (0.0, 0.0), 0.0, 0
         self._instant = 0.0
         self.stopped = ""
@@ -296,6 +296,11 @@ class Simulation:
     def events(self) -> int:
         """All events: collisions, walls, wells, cells, and those that were not valid any more."""
         return int(self._progress[loop.EVENTS])
+
+    @property
+    def interactions(self) -> int:
+        """Events that change a velocity: collisions, edges of wells, walls."""
+        return int(self._progress[loop.INTERACTIONS])
 
     def last_collisions(self) -> Floats:
         """(N,) times of the last change of each state; the start for those without one."""

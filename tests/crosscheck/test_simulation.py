@@ -6,11 +6,34 @@ import math
 import numpy as np
 import pytest
 
-from crosscheck.engines.base import Run
+from crosscheck.engines.base import OPERATIONS, Run
+from crosscheck.engines.refimpl import RefimplEngine
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import UsageError
-from crosscheck.scene import Box, Explicit, Lattice, LennardJones, Method, Output, Scene, Spring
-from crosscheck.simulation import load, observables, shipped_scenes, simulate
+from crosscheck.scene import (
+    Box,
+    Cylinder,
+    Explicit,
+    Face,
+    GrainFriction,
+    HardSpheres,
+    Lattice,
+    LennardJones,
+    Method,
+    Output,
+    Scene,
+    Spring,
+)
+from crosscheck.simulation import (
+    _draw,
+    _Result,
+    _write_observables,
+    _write_trajectory,
+    load,
+    observables,
+    shipped_scenes,
+    simulate,
+)
 
 
 def read_table(path):
@@ -34,9 +57,14 @@ def test_every_shipped_scene_is_whole(name):
     scene = load(name)
     assert scene.name == name
     scene.initial_state()
-    assert scene.steps(scene.method.dt) > 0
-    assert scene.every(scene.method.dt) > 0
-    assert scene.method.scheme in engine_class("refimpl").schemes
+    claims = engine_class("refimpl").schemes[scene.method.scheme]
+    if claims.events:
+        assert scene.method.dt is None
+        assert len(scene.samples()) > 1
+    else:
+        assert scene.steps(scene.method.dt) > 0
+        assert scene.every(scene.method.dt) > 0
+    assert RefimplEngine().supports(scene, scene.method) is None
 
 
 def test_shipped_figure_eight_has_the_published_invariants():
@@ -169,3 +197,167 @@ def test_a_diverged_run_is_written_up_to_there(tmp_path):
     assert "diverged" in paths[0].read_text()
     assert paths[1].read_text().startswith("108\n")
     assert "(diverged)" in paths[-1].read_text()
+
+
+# -- hard spheres ----------------------------------------------------------------------------------------
+
+EVENTS = Method(scheme="event_driven")
+
+
+def disks(**changes):
+    entries = {
+        "name": "disks",
+        "dimension": 2,
+        "duration": 2.0,
+        "hard_spheres": HardSpheres(),
+        "box": Box(lengths=(6.0, 5.0)),
+        "initial": Explicit(
+            positions=((1.0, 1.0), (3.0, 3.0), (5.9, 1.5)), velocities=((1.0, 0.0), (0.0, 0.0), (0.0, 1.9))
+        ),
+        "output": Output(interval=1.0, observables=("kinetic_energy",), trajectory=True),
+    }
+    return Scene(**(entries | changes))
+
+
+def fall(scene, **more):
+    """A run of straight paths through the box, with everything else that is given."""
+    state, time = scene.initial_state(), scene.samples()
+    positions = state.positions + state.velocities * time[:, None, None]
+    velocities = np.broadcast_to(state.velocities, positions.shape)
+    return Run(time, positions[-1], state.velocities, positions, velocities, **more)
+
+
+def test_disks_that_meet(tmp_path):
+    scene = disks(
+        duration=4.0,
+        box=None,
+        hard_spheres=HardSpheres(restitution=0.05),
+        initial=Explicit(positions=((0.0, 0.0), (3.0, 0.0)), velocities=((1.0, 0.0), (0.0, 0.0))),
+        output=Output(interval=1.0, observables=("kinetic_energy", "collisions"), trajectory=True),
+        method=EVENTS,
+    )
+    path = tmp_path / "scene.toml"
+    path.write_text(scene.to_toml())
+    paths = simulate(path, ["refimpl"], tmp_path / "out")
+    assert [written.suffix for written in paths] == [".csv", ".extxyz", ".png", ".svg"]
+    table = read_table(paths[0])
+    assert list(table) == ["time", "kinetic_energy", "temperature", "collisions"]
+    assert table["collisions"].tolist()[::4] == [0, 1]
+    assert table["temperature"] == pytest.approx(table["kinetic_energy"] / 2)  # two that move, and no box around them
+    assert ", event_driven\n" in paths[0].read_text()
+    assert "to t = 4" in paths[-1].read_text()
+
+
+def test_observables_of_hard_spheres():
+    scene = disks(initial=Lattice(kind="lattice", structure="square", number=12, temperature=1.0, seed=1))
+    ones = np.ones(3)
+    tallies = {"collisional_virial": 6 * ones, "kinetic_energy_integral": np.array([0.0, 5.0, 10.0])}
+    asked = Output(interval=1.0, observables=("kinetic_energy", *tallies))
+    table = observables(scene.changed(output=asked), fall(scene, kinetic_energy=5 * ones, tallies=tallies))
+    assert list(table) == ["time", "kinetic_energy", "temperature", "pressure", *tallies]
+    assert table["temperature"] == pytest.approx(2 * 5 / (2 * 11))
+    assert table["pressure"][1:] == pytest.approx([(2 * 5 + 6) / (2 * 30), (2 * 10 + 6) / (2 * 30 * 2)])
+    assert np.isnan(table["pressure"][0])
+    fallen = scene.changed(acceleration=(0.0, -1.0))
+    assert observables(fallen, fall(fallen, kinetic_energy=5 * ones))["temperature"] == pytest.approx(2 * 5 / (2 * 12))
+
+
+def test_the_temperature_of_grains_is_that_of_their_translation():
+    scene = disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)))
+    ones = np.ones(3)
+    assert "temperature" not in observables(scene, fall(scene, kinetic_energy=ones))
+    run = fall(scene, kinetic_energy=ones, tallies={"rotational_energy": 0.25 * ones})
+    assert observables(scene, run)["temperature"] == pytest.approx(2 * 0.75 / (2 * 2))
+
+
+def test_columns_of_tallies():
+    names = ("wall_impulse", "wall_energy", "operation_counts")
+    scene = disks(
+        box=Box(lengths=(6.0, 5.0), boundaries=("periodic", "hard"), faces={"y+": Face(open=True)}),
+        initial=Explicit(positions=((1.0, 1.0),)),
+        output=Output(interval=1.0, observables=names),
+    )
+    numbers = np.arange(8.0).reshape(4, 2)
+    tallies = {
+        "wall_impulse": np.stack([numbers] * 3),
+        "wall_energy": np.stack([numbers[:, 0]] * 3),
+        "operation_counts": np.ones((3, 6)),
+    }
+    table = observables(scene, fall(scene, tallies=tallies))
+    assert list(table) == ["time", "wall_impulse[y-].x", "wall_impulse[y-].y", "wall_energy[y-]", *OPERATIONS]
+    assert (table["wall_impulse[y-].y"] == 5).all()
+    assert (table["wall_energy[y-]"] == 4).all()
+
+
+def test_a_trajectory_has_radii_and_spins(tmp_path):
+    import ase.io
+
+    scene = disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)))
+    run = fall(scene, angular_velocities=np.full((3, 3, 1), 2.5))
+    run.positions[2] = np.nan  # stopped
+    frames = ase.io.read(_write_trajectory(tmp_path / "t.extxyz", scene, run), ":")
+    assert len(frames) == 2
+    assert frames[1].arrays["radius"].tolist() == [0.5] * 3
+    assert frames[1].arrays["angular_velocities"].tolist() == [[0, 0, 2.5]] * 3
+
+
+def test_why_a_run_stopped_is_in_the_table(tmp_path):
+    scene = disks()
+    run = fall(scene, kinetic_energy=np.ones(3), stopped="inelastic collapse of particles 0 and 1 at t = 0.5")
+    result = _Result("refimpl", "1", run, observables(scene, run))
+    text = _write_observables(tmp_path / "o.csv", scene, EVENTS, result).read_text()
+    assert "# the run stopped: inelastic collapse of particles 0 and 1 at t = 0.5\n" in text
+
+
+def circles(scene, run):
+    """Diameters (in the units of the axes) and centres of what is drawn as disks, and the axes."""
+    from matplotlib.figure import Figure
+
+    from crosscheck.simulation import _draw_configuration
+
+    axes = Figure().add_subplot()
+    _draw_configuration(axes, scene, run)
+    found = [(c.get_widths(), c.get_offsets()) for c in axes.collections]
+    return np.concatenate([w for w, _ in found]), np.concatenate([o for _, o in found]), axes
+
+
+def test_disks_are_drawn_in_their_size():
+    scene = disks(hard_spheres=HardSpheres(diameter=(1.0, 0.5)), species=(0, 1, 0))
+    widths, centres, axes = circles(scene, fall(scene))
+    # the third one has gone up to y = 5.3, that is 0.3, and reaches over both periodic edges: it is seen four times
+    assert sorted(widths) == [0.5] + [1.0] * 5
+    for x in (5.9, -0.1):
+        for y in (0.3, 5.3):
+            assert np.isclose(centres, [x, y]).all(axis=1).sum() == 1
+    assert axes.get_xlim() == (0, 6)
+    assert axes.get_ylim() == (0, 5)
+
+
+@pytest.mark.parametrize("boundaries", [("hard", "hard"), ("open", "open"), ("periodic", "hard"), None])
+def test_walls_are_drawn(tmp_path, boundaries):
+    drum = Cylinder(radius=2.5) if boundaries == ("open", "open") else None
+    box = None if boundaries is None else Box(lengths=(6.0, 5.0), boundaries=boundaries, cylinder=drum)
+    scene = disks(
+        box=box,
+        hard_spheres=HardSpheres(diameter=(1.0, 0.0), fixed=(0,)),
+        species=(0, 1, 1),
+        initial=Explicit(
+            positions=((3.0, 2.5), (2.0, 2.0), (4.0, 3.0)), velocities=((0.0, 0.0), (0.5, 0.0), (0.0, 0.1))
+        ),
+    )
+    run = fall(scene)
+    widths, _, axes = circles(scene, run)
+    assert len(widths) == 3
+    walls = [line for line in axes.lines if line.get_linewidth() == 2]
+    assert len(walls) == (0 if boundaries is None else 2 * boundaries.count("hard"))
+    assert [patch.radius for patch in axes.patches] == [2.5] * (drum is not None)
+    assert len(axes.lines) - len(walls) == 2  # the paths of those that move
+    result = _Result("refimpl", "1", run, observables(scene, run))
+    assert [path.suffix for path in _draw(tmp_path, scene, EVENTS, [result])] == [".png", ".svg"]
+
+
+def test_hard_spheres_without_method(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(disks().to_toml())
+    with pytest.raises(UsageError, match=r'add \[method\] with scheme = "event_driven"'):
+        simulate(path, ["refimpl"], tmp_path)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refimpl.events.compiled import kernel, leaf
+from refimpl.events.compiled import inner, kernel
 from refimpl.events.kernels.measure import (
     note_crossing,
     note_drum,
@@ -82,10 +82,11 @@ from refimpl.events.rules import (
 REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL = range(8)
 #: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the drum; the start, for all anew.
 WALL, DRUM, WAKE = 8, 16, 17
-#: So many collisions in a row, each a rounding of time after the one before, are a collapse.
-COLLAPSE = 2000
+#: So many collisions in a row, each a rounding of time after the one before, are a collapse; so are a few of them
+#: whose speed of approach is down to this share, squared, of the velocities.
+COLLAPSE, VANISHED = 2000, (2.0**-38) ** 2
 #: Entries of `progress`.
-PAIRS, EVENTS, CHANGES, FIRST, SECOND = range(5)
+PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND = range(6)
 
 
 class Grid(NamedTuple):
@@ -137,7 +138,7 @@ class Scratch(NamedTuple):
 # -- relative motion -------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _relative_position(gap: float, vi: float, vj: float, s: float, acceleration: Any, k: int) -> float:
     """r_j - r_i when the later of the two states was taken; s = tau_i - tau_j: the earlier one flies on for |s|."""
     if acceleration is None:
@@ -145,20 +146,20 @@ def _relative_position(gap: float, vi: float, vj: float, s: float, acceleration:
     return gap + (vj * max(s, 0.0) + vi * min(s, 0.0)) + 0.5 * acceleration[k] * (s * abs(s))
 
 
-@leaf
+@inner
 def _relative_speed(vi: float, vj: float, s: float, acceleration: Any, k: int) -> float:
     if acceleration is None:
         return vj - vi
     return (vj - vi) + acceleration[k] * s
 
 
-@leaf
+@inner
 def _quantised(x: float, quantum: float) -> float:
     big = 6755399441055744.0 * quantum  # 1.5 2^52
     return (x + big) - big
 
 
-@leaf
+@inner
 def _bring(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
     """Moves a particle's state to the present."""
     s = now - rows[i, TIME]
@@ -171,14 +172,14 @@ def _bring(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
 # -- square wells ----------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _reach(well: Any) -> float:
     if well is None:
         return 1.0
     return well.range
 
 
-@leaf
+@inner
 def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
     """Whether a pair may have an event before `within`; without branches."""
     if well is None:
@@ -189,7 +190,7 @@ def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edg
 # -- prediction ------------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
     """Finds the events of particle i with those in the cells about it, and gives them to the store.
 
@@ -290,7 +291,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
                     add(store, rows, particles.ints, counts, i, numbers[q, 3] + span, j)
 
 
-@leaf
+@inner
 def _may_meet(walls: Any, face: int, away: float, radius: float) -> bool:
     """Whether a particle in a cell whose near edge is `away` from a face can touch the wall there."""
     if walls is None:
@@ -301,7 +302,7 @@ def _may_meet(walls: Any, face: int, away: float, radius: float) -> bool:
     )
 
 
-@leaf
+@inner
 def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None:
     """The next wall, or edge of its cell, that the particle meets."""
     rows, ints = particles.rows, particles.ints
@@ -341,12 +342,12 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
 # -- cells -----------------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _cell_of(grid: Any, ints: Any, i: int) -> int:
     return (ints[i, CELL + 2] * grid.counts[1] + ints[i, CELL + 1]) * grid.counts[0] + ints[i, CELL]
 
 
-@leaf
+@inner
 def _leave(grid: Any, particles: Any, i: int) -> None:
     cells = particles.cells
     cell = _cell_of(grid, particles.ints, i)
@@ -357,7 +358,7 @@ def _leave(grid: Any, particles: Any, i: int) -> None:
     cells[cell, 0] = last - 1
 
 
-@leaf
+@inner
 def _enter(grid: Any, particles: Any, i: int) -> None:
     cells = particles.cells
     cell = _cell_of(grid, particles.ints, i)
@@ -368,7 +369,7 @@ def _enter(grid: Any, particles: Any, i: int) -> None:
 # -- the loop --------------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _edge_event(
     well: Any, model: Any, rows: Any, bonds: Any, tallies: Any, fields: Any, i: int, j: int,
     x: float, y: float, z: float, distance2: float, gn: float, now: float,
@@ -397,14 +398,14 @@ def _edge_event(
     return True
 
 
-@leaf
+@inner
 def _no_bond_left(bonds: Any, i: int, j: int) -> bool:
     if bonds is None:
         return False
     return bonds[i, 0] + 1 >= bonds.shape[1] or bonds[j, 0] + 1 >= bonds.shape[1]
 
 
-@leaf
+@inner
 def _collide(
     model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, now: float, instant: float
 ) -> int:
@@ -422,31 +423,35 @@ def _collide(
     distance = np.sqrt(distance2)
     x, y, z = x / distance, y / distance, z / distance
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
+    speed2 = 0.0
+    for k in range(3):
+        speed2 += rows[i, SPEED + k] ** 2 + rows[j, SPEED + k] ** 2
     at_edge = _edge_event(model.well, model, rows, particles.bonds, tallies, fields, i, j, x, y, z, distance2, gn, now)
     status = PAUSED
     if not at_edge and gn < 0.0:
         recent = in_contact_still(model.contact_duration, min(age_i, age_j))
         alpha = normal_restitution(model.restitution, recent)
         note_pair_before(tallies, fields, model, rows, spins, i, j, now)
-        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
+        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha)
         kick(model, rows, i, j, px, py, pz)
         note_pair_after(tallies, fields, model, rows, spins, i, j, x, y, z, distance, px, py, pz)
         status = REACHED
     ints[i, COUNT] += 1
     if not fixed:
         ints[j, COUNT] += 1
-    if max(age_i, age_j) < instant:
-        ints[i, STREAK] += 1
-        ints[j, STREAK] += 1
-        if min(ints[i, STREAK], ints[j, STREAK]) > COLLAPSE:
-            return COLLAPSED
-    else:
+    if max(age_i, age_j) >= instant:
         ints[i, STREAK] = 0
         ints[j, STREAK] = 0
+        return status
+    ints[i, STREAK] += 1
+    ints[j, STREAK] += 1
+    streak = min(ints[i, STREAK], ints[j, STREAK])
+    if streak > COLLAPSE or (streak > 2 and gn * gn < VANISHED * speed2):
+        return COLLAPSED
     return status
 
 
-@leaf
+@inner
 def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
     """The particle passes a face of its cell, into the next one; False: that is full."""
     rows, ints, images = particles.rows, particles.ints, particles.images
@@ -470,7 +475,7 @@ def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: floa
     return True
 
 
-@leaf
+@inner
 def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float) -> bool:
     """The particle hits a wall; True is a collapse."""
     rows, ints, spins = particles.rows, particles.ints, particles.spins
@@ -491,7 +496,7 @@ def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: in
     return ints[i, STREAK] > COLLAPSE
 
 
-@leaf
+@inner
 def _note(trace: Any, now: float, i: int, j: int) -> None:
     if trace is not None:
         place = trace.filled[0]
@@ -499,7 +504,7 @@ def _note(trace: Any, now: float, i: int, j: int) -> None:
         trace.filled[0] = place + 1
 
 
-@leaf
+@inner
 def _full(trace: Any) -> bool:
     if trace is None:
         return False
@@ -515,15 +520,16 @@ def advance(
     rows, ints, own = particles.rows, particles.ints, particles.own
     now, status = clock, REACHED
     pairs, events, changes = progress[PAIRS], progress[EVENTS], progress[CHANGES]
+    interactions = progress[INTERACTIONS]
     while True:
         i = first(queue, counts)
         pair_time, own_time = rows[i, NEXT], own[i]
         due = min(pair_time, own_time)
-        if due > until:
-            now = until
-            break
         if pairs >= most_pairs:
             status = COUNTED
+            break
+        if due > until:
+            now = until
             break
         if not has_room(store, 2 * scratch.ids.size):
             status = STORE_FULL
@@ -547,6 +553,7 @@ def advance(
             elif ints[i, OWN] == WAKE:
                 pass
             else:
+                interactions += 1
                 tick(counts, WALL_EVENTS, 1)
                 _note(trace, now, i, WALL - 1 - ints[i, OWN])
                 if _hit(model, grid, particles, tallies, fields, i, now, instant):
@@ -563,6 +570,7 @@ def advance(
             else:
                 done = _collide(model, grid, particles, tallies, fields, i, j, now, instant)
                 pairs += done == REACHED
+                interactions += done != BONDS_FULL
                 if done == BONDS_FULL or done == COLLAPSED:
                     progress[FIRST], progress[SECOND] = i, j
                     status = done
@@ -586,4 +594,5 @@ def advance(
             update(queue, counts, one, min(rows[one, NEXT], own[one]))
             one, j = j, np.int64(-1)
     progress[PAIRS], progress[EVENTS], progress[CHANGES] = pairs, events, changes
+    progress[INTERACTIONS] = interactions
     return status, now

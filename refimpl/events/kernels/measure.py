@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refimpl.events.compiled import kernel, leaf
+from refimpl.events.compiled import inner, kernel
 
 #: Entries of `Tallies.sums`.
 (
@@ -55,7 +55,7 @@ class Fields(NamedTuple):
     ints: Any
 
 
-@leaf
+@inner
 def _mass(mass: float, inverse_masses: Any, i: int) -> float:
     """m_i; 0 for a fixed particle, which has no energy to give."""
     if inverse_masses is None:
@@ -63,14 +63,14 @@ def _mass(mass: float, inverse_masses: Any, i: int) -> float:
     return 1.0 / inverse_masses[i] if inverse_masses[i] > 0.0 else 0.0
 
 
-@leaf
+@inner
 def _size(diameter: float, radii: Any, i: int) -> float:
     if radii is None:
         return 0.5 * diameter
     return radii[i]
 
 
-@leaf
+@inner
 def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
     """I w^2/2."""
     if rough is None or spins is None:
@@ -80,14 +80,14 @@ def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
     return 0.5 * inertia * (spins[i, 0] ** 2 + spins[i, 1] ** 2 + spins[i, 2] ** 2)
 
 
-@leaf
+@inner
 def _moving(model: Any, rows: Any, i: int) -> float:
     """m v^2/2, of the state as it stands in the row."""
     mass = _mass(model.mass, model.inverse_masses, i)
     return 0.5 * mass * (rows[i, 3] ** 2 + rows[i, 4] ** 2 + rows[i, 5] ** 2)
 
 
-@leaf
+@inner
 def _accumulate(sums: Any, now: float) -> None:
     s = now - sums[SINCE]
     sums[ENERGY_TIME] += sums[ENERGY] * s
@@ -107,7 +107,7 @@ def accumulate(tallies: Any, now: float) -> None:
 # -- pairs -----------------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, now: float) -> None:
     """Before the velocities of a pair change; both states are at the present."""
     if tallies is not None:
@@ -116,14 +116,14 @@ def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
     _stay_pair(fields, model, rows, spins, i, j, now)
 
 
-@leaf
+@inner
 def _pair_energies(tallies: Any, model: Any, rows: Any, spins: Any, i: int, j: int) -> None:
     if tallies is not None:
         tallies.sums[BEFORE] = _moving(model, rows, i) + _spinning(model.rough, spins, model, i)
         tallies.sums[OTHER_BEFORE] = _moving(model, rows, j) + _spinning(model.rough, spins, model, j)
 
 
-@leaf
+@inner
 def note_pair_after(
     tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
     distance: float, px: float, py: float, pz: float,
@@ -139,7 +139,7 @@ def note_pair_after(
         _pair_fields(fields, model, rows, i, j, x, y, z, distance, px, py, pz, lost_i, lost_j, lost_i + lost_j, 1)
 
 
-@leaf
+@inner
 def note_well(
     tallies: Any, fields: Any, model: Any, rows: Any, i: int, j: int, virial: float, x: float, y: float, z: float,
     bound: float,
@@ -161,7 +161,7 @@ def note_well(
         )  # fmt: skip
 
 
-@leaf
+@inner
 def _edge(well: Any, model: Any, i: int, j: int) -> float:
     size = _size(model.diameter, model.radii, i) + _size(model.diameter, model.radii, j)
     if well is None:
@@ -172,14 +172,14 @@ def _edge(well: Any, model: Any, i: int, j: int) -> float:
 # -- walls -----------------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     """Before a wall changes a particle's velocity; its state is at the present."""
     _wall_energies(tallies, model, rows, spins, i, now)
     _stay_one(fields, model, rows, spins, i, now)
 
 
-@leaf
+@inner
 def _wall_energies(tallies: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     if tallies is not None:
         sums = tallies.sums
@@ -190,7 +190,7 @@ def _wall_energies(tallies: Any, model: Any, rows: Any, spins: Any, i: int, now:
         sums[SPEED_BEFORE + 2] = rows[i, 5]
 
 
-@leaf
+@inner
 def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, face: int) -> None:
     """After a wall has changed a particle's velocity."""
     if tallies is not None:
@@ -210,7 +210,7 @@ def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any
         _wall_fields(fields, i, px, py, pz, gained)
 
 
-@leaf
+@inner
 def _along(acceleration: Any, px: float, py: float, pz: float) -> float:
     """g.p"""
     if acceleration is None:
@@ -219,14 +219,14 @@ def _along(acceleration: Any, px: float, py: float, pz: float) -> float:
     return total + acceleration[len(acceleration) - 1] * pz if len(acceleration) == 3 else total
 
 
-@leaf
+@inner
 def note_drum(tallies: Any, model: Any, rows: Any, i: int, face: int) -> None:
     """Angular momentum about the axis that the drum gave to a particle, spin included: R x p is at the surface."""
     if tallies is not None:
         _torque(tallies, model.drum, model, rows, i, face)
 
 
-@leaf
+@inner
 def _torque(tallies: Any, drum: Any, model: Any, rows: Any, i: int, face: int) -> None:
     if drum is not None:
         if face == 2 * len(model.lengths):
@@ -243,19 +243,19 @@ def _torque(tallies: Any, drum: Any, model: Any, rows: Any, i: int, face: int) -
 # -- fields ----------------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _block(fields: Any, i: int, axis: int) -> int:
     return fields.ints[i, 3 + axis] // fields.blocks[axis]
 
 
-@leaf
+@inner
 def _place(fields: Any, i: int) -> int:
     """Index of the field cell that a particle counts for."""
     shape = fields.shape
     return (_block(fields, i, 2) * shape[1] + _block(fields, i, 1)) * shape[0] + _block(fields, i, 0)
 
 
-@leaf
+@inner
 def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     """Adds what the particle was since it was last added; its row may be older than that."""
     mass = _mass(model.mass, model.inverse_masses, i)
@@ -273,27 +273,27 @@ def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) ->
     fields.since[i] = now
 
 
-@leaf
+@inner
 def _pull(acceleration: Any, k: int) -> float:
     if acceleration is None:
         return 0.0
     return acceleration[k]
 
 
-@leaf
+@inner
 def _stay_one(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     if fields is not None:
         _stay(fields, model, rows, spins, i, now)
 
 
-@leaf
+@inner
 def _stay_pair(fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, now: float) -> None:
     if fields is not None:
         _stay(fields, model, rows, spins, i, now)
         _stay(fields, model, rows, spins, j, now)
 
 
-@leaf
+@inner
 def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i: int, face: int, now: float) -> None:
     """Before a particle passes a face of its cell: if it is a field's too, mass, momentum and energy go through it."""
     if fields is not None:
@@ -316,7 +316,7 @@ def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i:
             fields.flux_energy[axis, place] += sign * energy
 
 
-@leaf
+@inner
 def _bound(well: Any, bonds: Any, i: int) -> float:
     """A particle's half of the energy of its wells."""
     if well is None:
@@ -324,7 +324,7 @@ def _bound(well: Any, bonds: Any, i: int) -> float:
     return -0.5 * well.depth * bonds[i, 0]
 
 
-@leaf
+@inner
 def _face(fields: Any, place: int, axis: int, up: int) -> int:
     """The cell whose lower face is the upper (lower) face of the cell `place`."""
     if not up:
@@ -335,7 +335,7 @@ def _face(fields: Any, place: int, axis: int, up: int) -> int:
     return place + stride if here + 1 < shape[axis] else place - here * stride
 
 
-@leaf
+@inner
 def _next(fields: Any, place: int, axis: int, up: int) -> int:
     shape = fields.shape
     stride = 1 if axis == 0 else (shape[0] if axis == 1 else shape[0] * shape[1])
@@ -345,7 +345,7 @@ def _next(fields: Any, place: int, axis: int, up: int) -> int:
     return place - stride if here > 0 else place + (shape[axis] - 1) * stride
 
 
-@leaf
+@inner
 def _pair_fields(
     fields: Any, model: Any, rows: Any, i: int, j: int, x: float, y: float, z: float, distance: float, px: float,
     py: float, pz: float, lost_i: float, lost_j: float, lost: float, collision: int,
@@ -391,12 +391,12 @@ def _pair_fields(
             place = _next(fields, place, axis, up)
 
 
-@leaf
+@inner
 def _toward(x: float, y: float, z: float, axis: int) -> float:
     return x if axis == 0 else (y if axis == 1 else z)
 
 
-@leaf
+@inner
 def _wall_fields(fields: Any, i: int, px: float, py: float, pz: float, gained: float) -> None:
     if fields is not None:
         place = _place(fields, i)

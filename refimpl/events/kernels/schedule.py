@@ -17,7 +17,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from refimpl.events.compiled import LEAF, kernel, leaf
+from refimpl.events.compiled import INNER, inner, kernel
 from refimpl.events.prediction import NEVER
 
 #: Columns of `ints`.
@@ -71,7 +71,7 @@ def _is(kind: Any, record: type) -> bool:
     return isinstance(kind, types.BaseNamedTuple) and kind.instance_class is record
 
 
-@leaf
+@inner
 def tick(counts: Any, what: int, number: int) -> None:
     """Counts operations; nothing at all where they are not counted."""
     if counts is not None:
@@ -81,7 +81,7 @@ def tick(counts: Any, what: int, number: int) -> None:
 # -- the tree --------------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     keys, nodes = queue.keys, queue.nodes
     keys[i] = key
@@ -115,14 +115,14 @@ def build_tree(queue: Any) -> None:
 # -- the calendar ----------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _day_of(queue: Any, key: float) -> int:
     day = key * queue.per_time[0]
     # events that never come, or very late, wait on the last day that an integer can name
     return np.int64(day) if day < 4e18 else np.int64(4_000_000_000_000_000_000)
 
 
-@leaf
+@inner
 def _put(queue: Any, i: int, key: float) -> None:
     day = max(_day_of(queue, key), queue.today[0])
     slot = day & (queue.heads.size - 1)
@@ -134,7 +134,7 @@ def _put(queue: Any, i: int, key: float) -> None:
     queue.heads[slot] = i
 
 
-@leaf
+@inner
 def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
     before, after = queue.before[i], queue.after[i]
     if before >= 0:
@@ -146,7 +146,7 @@ def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
     _put(queue, i, key)
 
 
-@leaf
+@inner
 def _calendar_first(queue: Any, counts: Any) -> int:
     mask, today = queue.heads.size - 1, queue.today[0]
     empty = 0
@@ -194,7 +194,7 @@ def first(queue: Any, counts: Any) -> int:
     raise TypeError(f"not a queue: {type(queue).__name__}")
 
 
-@overload(update, strict=False, jit_options=LEAF)
+@overload(update, strict=False, jit_options=INNER)
 def _update(queue: Any, counts: Any, i: int, key: float) -> Any:
     if _is(queue, Tree):
         return lambda queue, counts, i, key: _tree_update(queue, counts, i, key)
@@ -203,7 +203,7 @@ def _update(queue: Any, counts: Any, i: int, key: float) -> Any:
     return None
 
 
-@overload(first, strict=False, jit_options=LEAF)
+@overload(first, strict=False, jit_options=INNER)
 def _first(queue: Any, counts: Any) -> Any:
     if _is(queue, Tree):
         return lambda queue, counts: np.int64(queue.nodes[1])
@@ -215,7 +215,7 @@ def _first(queue: Any, counts: Any) -> Any:
 # -- the stores ------------------------------------------------------------------------------------
 
 
-@leaf
+@inner
 def _lists_forget(store: Any, counts: Any, i: int) -> None:
     node = store.heads[i]
     if node >= 0:
@@ -230,7 +230,7 @@ def _lists_forget(store: Any, counts: Any, i: int) -> None:
         tick(counts, MOVES, steps)
 
 
-@leaf
+@inner
 def _lists_add(store: Any, counts: Any, i: int, time: float, j: int, count: int) -> None:
     node = store.free[0]
     store.free[0] = store.after[node]
@@ -248,7 +248,7 @@ def _lists_add(store: Any, counts: Any, i: int, time: float, j: int, count: int)
     tick(counts, MOVES, steps)
 
 
-@leaf
+@inner
 def _lists_show(store: Any, rows: Any, ints: Any, i: int) -> None:
     """The head of i's list becomes its next event."""
     node = store.heads[i]
@@ -259,7 +259,7 @@ def _lists_show(store: Any, rows: Any, ints: Any, i: int) -> None:
         ints[i, PARTNER_COUNT] = store.count[node]
 
 
-@leaf
+@inner
 def _lists_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     node = store.heads[i]
     store.heads[i] = store.after[node]
@@ -275,7 +275,7 @@ def forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(forget, strict=False, jit_options=LEAF)
+@overload(forget, strict=False, jit_options=INNER)
 def _forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
     if _is(store, Earliest):
 
@@ -297,7 +297,7 @@ def keeps_all(store: Any) -> bool:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(keeps_all, strict=False, jit_options=LEAF)
+@overload(keeps_all, strict=False, jit_options=INNER)
 def _keeps_all(store: Any) -> Any:
     if _is(store, Lists):
         return lambda store: True
@@ -309,7 +309,7 @@ def has_room(store: Any, number: int) -> bool:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(has_room, strict=False, jit_options=LEAF)
+@overload(has_room, strict=False, jit_options=INNER)
 def _has_room(store: Any, number: int) -> Any:
     if _is(store, Lists):
         return lambda store, number: store.free[1] >= number
@@ -321,7 +321,7 @@ def add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: i
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(add, strict=False, jit_options=LEAF)
+@overload(add, strict=False, jit_options=INNER)
 def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> Any:
     if _is(store, Earliest):
 
@@ -345,7 +345,7 @@ def pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(pop, strict=False, jit_options=LEAF)
+@overload(pop, strict=False, jit_options=INNER)
 def _pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
     if _is(store, Lists):
         return lambda store, rows, ints, counts, i: _lists_pop(store, rows, ints, counts, i)

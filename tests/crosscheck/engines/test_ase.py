@@ -10,7 +10,7 @@ import pytest
 from pair_sums import evaluate
 
 from crosscheck.engines.pool import Worker
-from crosscheck.scene import Box, Explicit, LennardJones, Method, Output, Scene, Spring, Wall, explicit
+from crosscheck.scene import Box, Explicit, HardSpheres, LennardJones, Method, Output, Scene, Spring, Wall, explicit
 
 ALL = ("kinetic_energy", "potential_energy", "virial")
 STEP = Method(scheme="velocity_verlet", dt=0.002)
@@ -107,6 +107,8 @@ def test_collision_at_a_huge_step_diverges(ase: Worker) -> None:
         (fluid(masses=0.5), "", None),
         (Scene(name="spring", dimension=1, duration=1.0, spring=Spring(k=1.0),
                initial=Explicit(positions=((1.0,),))), "", "only Lennard-Jones"),
+        (Scene(name="disks", dimension=2, duration=1.0, hard_spheres=HardSpheres(),
+               initial=Explicit(positions=((1.0, 1.0),))), "", "only Lennard-Jones"),
     ],
 )  # fmt: skip
 def test_reasons(ase: Worker, scene: Scene, scheme: str, reason: str | None) -> None:

@@ -13,7 +13,20 @@ from pair_sums import evaluate
 
 from crosscheck.engines.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, Unsupported
-from crosscheck.scene import Box, Explicit, Gravity, Kepler, LennardJones, Method, Output, Scene, Spring, Wall, explicit
+from crosscheck.scene import (
+    Box,
+    Explicit,
+    Gravity,
+    HardSpheres,
+    Kepler,
+    LennardJones,
+    Method,
+    Output,
+    Scene,
+    Spring,
+    Wall,
+    explicit,
+)
 
 ALL = ("kinetic_energy", "potential_energy", "virial")
 STEP = Method(scheme="velocity_verlet", dt=0.002)
@@ -261,6 +274,7 @@ PAIR = Explicit(positions=((0.0, 0.0), (1.0, 0.0)))
                masses=tuple(np.arange(1.0, 102.0))), "velocity_verlet", "at most 100"),
         (fluid(box=Box(lengths=(5.0,) * 3, boundaries=("wall",) * 3, wall=Wall(cutoff=1.0))), "velocity_verlet",
          "on or beyond a wall"),
+        (fluid(lennard_jones=None, hard_spheres=HardSpheres(), output=Output()), "velocity_verlet", "no hard spheres"),
     ],
 )  # fmt: skip
 def test_reasons(lammps: Worker, scene: Scene, scheme: str, reason: str | None) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from crosscheck.engines.pool import Worker
-from crosscheck.scene import Explicit, Gravity, Kepler, Method, Output, Scene, Spring, explicit
+from crosscheck.scene import Explicit, Gravity, HardSpheres, Kepler, Method, Output, Scene, Spring, explicit
 
 ALL = ("kinetic_energy", "potential_energy", "virial")
 PERIOD = 2 * np.pi
@@ -68,7 +68,7 @@ def test_two_bodies_exactly(rebound: Worker, scheme: str, tolerance: float) -> N
 def test_leapfrog_is_position_verlet(rebound: Worker) -> None:
     scene = orbit(duration=1.0, output=Output())
     run = rebound.run(scene, Method(scheme="leapfrog", dt=0.01))
-    r, v, m, _, _ = scene.initial_state()
+    r, v, m, *_ = scene.initial_state()
     for _ in range(100):
         r = r + 0.005 * v
         apart = r[0] - r[1]
@@ -107,7 +107,7 @@ def test_forces_and_energies(rebound: Worker, softening: float | None) -> None:
         gravity=Gravity(G=0.5, softening=softening), output=Output(interval=0.1, observables=observables, forces=True)
     )
     run = rebound.run(scene, Method(scheme="leapfrog", dt=0.1))
-    r, v, m, _, _ = scene.initial_state()
+    r, v, m, *_ = scene.initial_state()
     apart = r[:, None] - r
     square = np.sum(apart**2, axis=-1) + (softening or 0.0) ** 2
     np.fill_diagonal(square, np.inf)
@@ -144,6 +144,8 @@ def test_bodies_in_one_place_diverge(rebound: Worker) -> None:
         (orbit(masses=(1.0, 0.0)), "whfast", None),
         (Scene(name="spring", dimension=1, duration=1.0, spring=Spring(k=1.0),
                initial=Explicit(positions=((1.0,),))), "leapfrog", "only gravity"),
+        (Scene(name="disks", dimension=2, duration=1.0, hard_spheres=HardSpheres(),
+               initial=Explicit(positions=((1.0, 1.0),))), "leapfrog", "only gravity"),
     ],
 )  # fmt: skip
 def test_reasons(rebound: Worker, scene: Scene, scheme: str, reason: str | None) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from crosscheck.engines.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
-from crosscheck.scene import Explicit, Method, Scene, Spring, explicit
+from crosscheck.scene import Box, Explicit, GrainFriction, HardSpheres, Method, Output, Scene, Spring, explicit
 
 STEP = Method(scheme="good", dt=0.1)
 SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), initial=Explicit(positions=((1.0,),)))
@@ -155,6 +155,86 @@ def test_hang_at_import(start: START) -> None:
 def test_unsupported(start: START) -> None:
     with pytest.raises(Unsupported, match="it is too hard"):
         start(ENGINE).run(SCENE, STEP.model_copy(update={"scheme": "refuse"}))
+
+
+DISKS = Scene(
+    name="disks",
+    dimension=2,
+    duration=1.0,
+    hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)),
+    box=Box(lengths=(5.0, 5.0), boundaries=("hard", "open")),
+    initial=Explicit(positions=((1.0, 1.0), (3.0, 3.0))),
+    output=Output(collisions=(1, 2), observables=("kinetic_energy", "collisions", "wall_impulse"), trajectory=True),
+)
+FROM_EVENT_TO_EVENT = """
+import numpy as np
+from crosscheck.engines.base import Claims, Cost, Run, tally_shapes
+
+class Engine:
+    name = "events"
+    schemes = {"event_driven": Claims(None, events=True), "steps": Claims((1, 1))}
+
+    def version(self):
+        return "1"
+
+    def supports(self, scene, method):
+        return None
+
+    def run(self, scene, method):
+        state = scene.initial_state()
+        run = Run(np.array([0.0, 0.5, np.nan]), state.positions, state.velocities, cost=Cost(events=7))
+        run.positions, run.velocities = np.ones((2, 3, 2, 2))
+        run.angular_velocities, run.final_angular_velocities = np.ones((3, 2, 1)), np.ones((2, 1))
+        run.kinetic_energy = np.ones(3)
+        run.tallies = {name: np.full(shape, 2.0) for name, shape in tally_shapes(scene, 3).items()}
+        run.stopped = "inelastic collapse of particles 0 and 1"
+        return run
+"""
+
+
+def test_arrays_of_hard_spheres_arrive(start: START) -> None:
+    run = start(FROM_EVENT_TO_EVENT).run(DISKS, Method(scheme="event_driven"))
+    assert set(run.tallies) == {"collisions", "wall_impulse"}
+    np.testing.assert_array_equal(run.tallies["wall_impulse"], np.full((3, 4, 2), 2.0))
+    np.testing.assert_array_equal(run.time, [0.0, 0.5, np.nan])
+    assert run.angular_velocities is not None
+    assert run.angular_velocities.shape == (3, 2, 1)
+    assert run.stopped == "inelastic collapse of particles 0 and 1"
+    assert (run.cost.events, run.diverged) == (7, False)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "np.full(shape, 2.0)",
+            "np.full(shape[:1], 2.0)",
+            r"run.tallies\['wall_impulse'\] must have shape \(3, 4, 2\)",
+        ),
+        ("{name: np.full", "{name * 2: np.full", r"run.tallies\['collisions'\] must have shape \(3,\), found None"),
+        ("np.ones((3, 2, 1)), np", "None, np", r"run.angular_velocities must have shape \(3, 2, 1\), found None"),
+        ("0.5, np.nan]", "0.5]", "run.time has 2 samples, the scene asks for 3"),
+    ],
+)
+def test_malformed_arrays_of_hard_spheres(start: START, old: str, new: str, message: str) -> None:
+    assert FROM_EVENT_TO_EVENT.count(old) == 1
+    with pytest.raises(EngineError, match=message):
+        start(FROM_EVENT_TO_EVENT.replace(old, new)).run(DISKS, Method(scheme="event_driven"))
+
+
+@pytest.mark.parametrize(
+    ("method", "message"),
+    [
+        (
+            Method(scheme="event_driven", dt=0.1),
+            r"method.dt = 0.1: scheme 'event_driven' goes from event to event: remove",
+        ),
+        (Method(scheme="steps"), r"method.dt is missing: scheme 'steps' takes time steps: add dt, as in dt = 0.005"),
+    ],
+)
+def test_a_step_for_those_that_take_one(start: START, method: Method, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        start(FROM_EVENT_TO_EVENT).run(DISKS, method)
 
 
 def test_missing_engine(start: START) -> None:

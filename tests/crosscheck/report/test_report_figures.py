@@ -102,3 +102,50 @@ def test_ticks_are_plain_text(value, text):
 def test_labels_are_escaped():
     _, drawing = draw([line("a", "refimpl", ("<b>", X, X, False), title='a "<b>"')])
     assert "<b>" not in drawing.svg
+
+
+def histogram(engine, edges, heights, theory=False, scale="linear", label="speeds"):
+    one = line("a", engine, (label, edges, heights, theory), scale=scale)
+    one["figures"][0]["x_scale"] = "linear"
+    one["figures"][0]["series"][0]["bins"] = True
+    return one
+
+
+EDGES, HEIGHTS = [0.0, 1.0, 2.0, 4.0], [0.2, 0.5, 0.1]
+
+
+def test_a_histogram_is_the_outline_of_its_bins():
+    panel, drawing = draw([histogram("refimpl", EDGES, HEIGHTS)])
+    (curve,) = panel.curves
+    assert curve.points == [(0.5, 0.2), (1.5, 0.5), (3.0, 0.1)]
+    x, y = curve.outline(0.0)
+    assert x == [0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 4.0, 4.0]
+    assert y == [0.0, 0.2, 0.2, 0.5, 0.5, 0.1, 0.1, 0.0]
+    assert drawing.failed == 0
+    assert "fill-opacity: 0.22" in drawing.svg
+
+
+def test_histograms_of_two_engines_are_told_apart_by_markers_and_not_filled():
+    _, drawing = draw([histogram(engine, EDGES, HEIGHTS) for engine in ("refimpl", "lammps")])
+    assert [key.text for key in drawing.engines] == ["refimpl", "lammps"]
+    for engine in ("e0", "e1"):
+        assert re.search(f'class="s k0 {engine}"', drawing.svg)
+    assert "fill-opacity: 0.22" not in drawing.svg
+
+
+def test_an_expected_histogram_is_theory():
+    _, drawing = draw([histogram("refimpl", EDGES, HEIGHTS), histogram("refimpl", EDGES, HEIGHTS, True, label="exact")])
+    assert [key.group for key in drawing.curves] == ["k0", "t0"]
+
+
+@pytest.mark.parametrize(("scale", "height", "failed"), [("log", 0.0, 0), ("log", None, 1), ("linear", None, 1)])
+def test_an_empty_bin_is_no_failure_and_one_that_is_not_finite_is(scale, height, failed):
+    _, drawing = draw([histogram("refimpl", EDGES, [0.2, height, 0.1], scale=scale)])
+    assert drawing.failed == failed
+
+
+@pytest.mark.parametrize("heights", [[None] * 3, [0.0] * 3, [-1.0, -2.0, -1.0], [-1.0, 2.0, 0.0]])
+@pytest.mark.parametrize("scale", ["linear", "log"])
+def test_odd_histograms_are_drawn(heights, scale):
+    draw([histogram("refimpl", EDGES, heights, scale=scale), histogram("refimpl", [0.0], [], scale=scale)])
+    draw([histogram("refimpl", [None, 1.0, 2.0, 3.0], heights, scale=scale)])

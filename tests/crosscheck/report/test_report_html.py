@@ -4,6 +4,7 @@ import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from html.parser import HTMLParser
+from itertools import pairwise
 
 import pytest
 import synthetic
@@ -11,7 +12,7 @@ import synthetic
 from crosscheck.checks.oscillator import CHECKS
 from crosscheck.errors import UsageError
 from crosscheck.record import Record, read
-from crosscheck.report import figures, html
+from crosscheck.report import figures, html, pictures
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -217,3 +218,11 @@ def test_contrast_meets_wcag_aa(text, theme):
             assert _contrast(colours[name], colours[ground]) >= 4.5, (name, ground)
     for number in range(len(figures.PALETTE)):
         assert _contrast(colours[f"c{number}"], colours["paper"]) >= 3, number
+    # particles are told from the page by their outlines, whatever their colour
+    assert _contrast(colours["ring"], colours["paper"]) >= 3
+
+
+def test_the_lightness_of_the_colour_map_rises_all_along():
+    lightness = [_luminance(colour) for colour in pictures.colours()]
+    assert len(lightness) == pictures.LEVELS
+    assert all(a < b for a, b in pairwise(lightness))

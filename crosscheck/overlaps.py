@@ -1,0 +1,101 @@
+"""Which hard particles overlap: a search in trees, by classes of size, in a time nearly proportional to N."""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+Floats = NDArray[Any]
+
+#: About so many particles are looked at before all of them are.
+_FEW = 1000
+
+
+class Overlap(NamedTuple):
+    """Particles i < j, whose centres are `distance` apart, less than their `contact` distance."""
+
+    i: int
+    j: int
+    distance: float
+    contact: float
+
+
+class _Class(NamedTuple):
+    """Particles whose diameters are within a factor of two: the least, the largest; all of them fixed, or none."""
+
+    members: NDArray[np.int64]
+    tree: Any
+    least: float
+    largest: float
+    fixed: bool
+
+
+def find_overlap(
+    positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats, rounding: float
+) -> Overlap | None:
+    """Two particles nearer than the mean of their diameters by more than `rounding`, or None.
+
+    positions: (N, d); diameters, fixed: (N,); periods: (d,), 0 along axes that are not periodic. Pairs of fixed
+    particles, and of particles of diameter 0, may be anywhere. A periodic axis must exceed two contact distances.
+    """
+    wraps = periods > 0
+    wrapped = positions.copy()
+    wrapped[:, wraps] %= periods[wraps]
+    wrapped[:, wraps] = np.where(wrapped[:, wraps] < periods[wraps], wrapped[:, wraps], 0.0)
+    classes = _classes(wrapped, diameters, fixed, periods)
+    for one, other in combinations_with_replacement(classes, 2):
+        if (one.fixed and other.fixed) or one.largest + other.largest == 0:
+            continue
+        i, j, distances = _near(wrapped, one, other, rounding)
+        gaps = distances - 0.5 * (diameters[i] + diameters[j])
+        if gaps.size and gaps.min() < -rounding:
+            worst = int(gaps.argmin())
+            first, second = sorted((int(i[worst]), int(j[worst])))
+            contact = 0.5 * float(diameters[first] + diameters[second])
+            return Overlap(first, second, float(distances[worst]), contact)
+    return None
+
+
+def _classes(positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats) -> list[_Class]:
+    # within a class, particles that do not overlap have few neighbours: a search by the largest contact is cheap
+    octaves = np.where(diameters > 0, np.frexp(diameters)[1], np.iinfo(np.int32).min)
+    classes = []
+    for octave in np.unique(octaves):
+        for still in (False, True):
+            members = np.flatnonzero((octaves == octave) & (fixed == still))
+            if members.size:
+                tree = cKDTree(positions[members], boxsize=periods, balanced_tree=False, compact_nodes=False)
+                sizes = diameters[members]
+                classes.append(_Class(members, tree, float(sizes.min()), float(sizes.max()), still))
+    return classes
+
+
+def _near(positions: Floats, one: _Class, other: _Class, rounding: float) -> tuple[Any, Any, Any]:
+    """Candidates i, j and their distances: nearest neighbours, and if those allow it all pairs near enough."""
+    least, largest = 0.5 * (one.least + other.least), 0.5 * (one.largest + other.largest)
+    # a few first: where particles lie in heaps, even the nearest neighbours of all take long
+    for members in (one.members[:: one.members.size // _FEW + 1], one.members):
+        i, j, distances = _nearest(positions, members, other, largest, one is other)
+        if distances.size and distances.min() < least - rounding:
+            return i, j, distances
+    if distances.size == 0 or least == largest:
+        return i, j, distances
+    pairs = one.tree.sparse_distance_matrix(other.tree, largest, output_type="ndarray")
+    pairs = pairs[one.members[pairs["i"]] != other.members[pairs["j"]]]
+    return one.members[pairs["i"]], other.members[pairs["j"]], pairs["v"]
+
+
+def _nearest(positions: Floats, members: Any, other: _Class, reach: float, same: bool) -> tuple[Any, Any, Any]:
+    """Each member, its nearest neighbour of the other class and their distance, where that is less than `reach`."""
+    distances, places = other.tree.query(positions[members], k=[1, 2] if same else [1], distance_upper_bound=reach)
+    itself = 0
+    if same:  # the nearest is the member itself, or another one in the very same place
+        itself = (other.members[np.minimum(places[:, 0], other.members.size - 1)] == members).astype(int)
+    rows = np.arange(members.size)
+    distances, places = distances[rows, itself], places[rows, itself]
+    near = distances < reach
+    return members[near], other.members[places[near]], distances[near]
