@@ -604,10 +604,11 @@ def _judge_case(laboratory: Laboratory, variant: str) -> Judgement:
 
 
 _LINEAR = """        def scan(queue: Any, counts: Any) -> int:
+            number = queue.keys.size // 2
             found = 0
-            for k in range(1, queue.keys.size):
+            for k in range(1, number):
                 tick(counts, COMPARISONS, 1)
-                if queue.keys[k] < queue.keys[found]:
+                if queue.keys[number + k] < queue.keys[number + found]:
                     found = k
             return np.int64(found)
 

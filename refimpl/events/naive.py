@@ -128,7 +128,11 @@ def next_event(model: Any, rows: Any, bonds: Any, now: float) -> tuple[float, in
             b, w2 = x * u + y * v + z * w, u * u + v * v + w * w
             s = contact_distance(model.diameter, model.radii, i, j)
             c = x * x + y * y + z * z - s * s
-            if _meets(model.well, b, c, w2) and not (c <= NEAR * s * s and b < 0.0 and rests(rows, i, j, b, s * s)):
+            if (
+                s > 0.0
+                and _meets(model.well, b, c, w2)
+                and not (c <= NEAR * s * s and b < 0.0 and rests(rows, i, j, b, s * s))
+            ):
                 span = pair_time(model.well, bonds, i, j, b, c, w2, s * s)
                 if span < best:
                     best, one, other = span, i, j

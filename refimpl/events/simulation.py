@@ -83,7 +83,9 @@ class Simulation:
         self._particles = loop.Particles(self._rows, ints, np.zeros(n), np.zeros((n, 3), np.int32), cells, spins, None)
         self._scratch = _scratch(d, 8)
         self._store: Any = schedule.Earliest(0) if scheduler != "lists" else _lists(n, 4 * n + 256)
-        self._queue = _calendar(n) if scheduler == "calendar" else schedule.Tree(np.zeros(n), np.zeros(2 * n, np.int32))
+        self._queue = (
+            _calendar(n) if scheduler == "calendar" else schedule.Tree(np.zeros(2 * n), np.zeros(2 * n, np.int32))
+        )
         self._trace = _trace() if trace else None
         self._traced: list[tuple[float, int, int]] = []
         self._progress = np.zeros(6, np.int64)
@@ -109,10 +111,13 @@ class Simulation:
     def run(self, until: float = math.inf, collisions: int | None = None) -> None:
         """To the time `until`, or until there have been so many pair collisions since the start: what is sooner.
 
-        An inelastic collapse ends the run earlier and for good: see `stopped`. ValueError if neither is given.
+        An inelastic collapse ends the run earlier and for good: see `stopped`. ValueError if neither is given, or for a
+        time that is over.
         """
         if until == math.inf and collisions is None:
             raise ValueError("run: give a time, or a number of collisions")
+        if until < self.time:
+            raise ValueError(f"run: until = {until!r} is over, it is t = {self.time!r}")
         most = np.iinfo(np.int64).max if collisions is None else collisions
         while not self.stopped:
             end = min(math.fsum((until, -self._base[0], -self._base[1])), 1e299)
@@ -219,13 +224,12 @@ class Simulation:
         particles.own[:] = np.where(mobile, self._now, NEVER)
         if isinstance(self._store, schedule.Lists):
             self._store = _lists(self.number, self._store.time.size)
-        self._queue.keys[:] = particles.own
         if isinstance(self._queue, schedule.Tree):
-            schedule.build_tree(self._queue)
+            schedule.build_tree(self._queue, particles.own)
         else:
             wait = WAIT * min(self._grid.sides[: self.dimension]) / (self._speed() or 1.0)
             self._queue.per_time[0] = self.number / wait
-            schedule.build_calendar(self._queue, self._now)
+            schedule.build_calendar(self._queue, particles.own, self._now)
 
     def _speed(self) -> float:
         """Root mean square."""
@@ -556,6 +560,10 @@ def _longer(store: schedule.Lists) -> schedule.Lists:
     after[-1] = store.free[0]
     free = np.array([size, store.free[1] + size], np.int32)
     return schedule.Lists(store.heads, time, partner, count, after, free)
+
+
+def _tree(n: int) -> schedule.Tree:
+    return schedule.Tree(np.zeros(2 * n), np.zeros(2 * n, np.int32))
 
 
 def _calendar(n: int) -> schedule.Calendar:

@@ -84,7 +84,9 @@ REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FU
 WALL, DRUM, WAKE = 8, 16, 17
 #: So many collisions in a row, each a rounding of time after the one before, are a collapse; so are a few of them
 #: whose speed of approach is down to this share, squared, of the velocities.
-COLLAPSE, VANISHED = 2000, (2.0**-38) ** 2
+COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
+#: Cells that do not fit into the near caches any more.
+MANY = 1 << 14
 #: Entries of `progress`.
 PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND = range(6)
 
@@ -214,6 +216,11 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
     inner = (x0 >= 0) & (y0 >= 0) & (z0 >= 0) & (x1 < nx) & (y1 < ny) & (z1 < nz)
     p = 0
     if inner:
+        for kz in range(z0, z1 + 1 if cells.shape[0] > MANY else z0):
+            for ky in range(y0, y1 + 1):
+                place = ((kz * ny + ky) * nx + x0) * (4 * cells.shape[1])
+                prefetch(cells, place)
+                prefetch(cells, place + 64)
         for kz in range(z0, z1 + 1):
             for ky in range(y0, y1 + 1):
                 row = (kz * ny + ky) * nx
@@ -285,7 +292,8 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
         if j != i:
             s = contact_distance(diameter, radii, i, j)
             s2 = s * s
-            if c > NEAR * s2 or b >= 0.0 or not rests(rows, i, j, b, s2):
+            # points never meet: rounding alone would say when
+            if s > 0.0 and (c > NEAR * s2 or b >= 0.0 or not rests(rows, i, j, b, s2)):
                 span = pair_time(well, particles.bonds, i, j, b, c, w, s2)
                 if span < NEVER:
                     add(store, rows, particles.ints, counts, i, numbers[q, 3] + span, j)

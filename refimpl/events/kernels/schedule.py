@@ -29,7 +29,10 @@ COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS = range(6)
 
 
 class Tree(NamedTuple):
-    """keys: (N,) times. nodes: (2N,) the winner below each node; 1 is the root, N + i the leaf of particle i."""
+    """nodes, keys: (2N,) the winner below each node, and its time; 1 is the root, N + i the leaf of particle i.
+
+    A match looks at two neighbours in memory: a way through a large tree costs one cache line a level.
+    """
 
     keys: Any
     nodes: Any
@@ -84,32 +87,38 @@ def tick(counts: Any, what: int, number: int) -> None:
 @inner
 def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     keys, nodes = queue.keys, queue.nodes
-    keys[i] = key
-    node = (keys.size + i) >> 1
+    place = nodes.size // 2 + i
+    keys[place] = key
+    node = place >> 1
     steps = 0
     while node >= 1:
-        left, right = nodes[2 * node], nodes[2 * node + 1]
-        a, b = keys[left], keys[right]
+        left = 2 * node
+        a, b = keys[left], keys[left + 1]
+        one, other = nodes[left], nodes[left + 1]
         steps += 1
-        winner = left if a < b or (a == b and left < right) else right
+        first_wins = a < b or (a == b and one < other)
+        winner = one if first_wins else other
         if nodes[node] == winner and winner != i:
             break
         nodes[node] = winner
+        keys[node] = a if first_wins else b
         node >>= 1
     tick(counts, COMPARISONS, steps)
 
 
 @kernel
-def build_tree(queue: Any) -> None:
+def build_tree(queue: Any, times: Any) -> None:
     """Plays the whole tournament; with one particle the root is its leaf."""
     keys, nodes = queue.keys, queue.nodes
-    number = keys.size
+    number = times.size
     for i in range(number):
-        nodes[number + i] = i
+        keys[number + i], nodes[number + i] = times[i], i
     for node in range(number - 1, 0, -1):
-        left, right = nodes[2 * node], nodes[2 * node + 1]
-        a, b = keys[left], keys[right]
-        nodes[node] = left if a < b or (a == b and left < right) else right
+        left = 2 * node
+        a, b = keys[left], keys[left + 1]
+        first_wins = a < b or (a == b and nodes[left] < nodes[left + 1])
+        keys[node] = a if first_wins else b
+        nodes[node] = nodes[left] if first_wins else nodes[left + 1]
 
 
 # -- the calendar ----------------------------------------------------------------------------------
@@ -173,12 +182,12 @@ def _calendar_first(queue: Any, counts: Any) -> int:
 
 
 @kernel
-def build_calendar(queue: Any, now: float) -> None:
-    """Puts every key into its bucket."""
+def build_calendar(queue: Any, times: Any, now: float) -> None:
+    """Puts every time into its bucket."""
     queue.heads[:] = -1
     queue.today[0] = _day_of(queue, max(now, 0.0))
-    for i in range(queue.keys.size):
-        _put(queue, i, queue.keys[i])
+    for i in range(times.size):
+        _put(queue, i, times[i])
 
 
 # -- the interface of queues -----------------------------------------------------------------------
