@@ -164,7 +164,7 @@ def hard_spheres(
 
     diameters, masses: of all, or (N,); an infinite mass is a fixed scatterer. faces: one entry per face x-, x+, y-,
     y+, ...; None is no wall (periodic, or open). contact_duration: t_c of the TC model (Luding and McNamara, Granular
-    Matter 1, 113 (1998)): a grain that has collided less than t_c ago has normal restitution 1. seed: of random walls.
+    Matter 1, 113 (1998)): a grain that has collided less than t_c ago loses nothing. seed: of random walls.
     ValueError names what is wrong.
     """
     d = len(lengths)

@@ -190,7 +190,7 @@ def happen(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts
     if collided:
         recent = in_contact_still(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
         alpha = normal_restitution(model.restitution, recent)
-        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha)
+        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
         kick(model, rows, i, j, px, py, pz)
     for one in (i, j):
         if not is_fixed(model.inverse_masses, one):

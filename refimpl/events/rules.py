@@ -92,7 +92,7 @@ def kick(model: Any, rows: Any, i: int, j: int, px: float, py: float, pz: float)
 
 @leaf
 def normal_restitution(restitution: Any, recent: bool) -> float:
-    """alpha; 1 for elastic grains, and in the TC model for grains that have collided just before. Friction goes on."""
+    """alpha; 1 for elastic grains, and in the TC model for grains that have collided just before."""
     if restitution is None:
         return 1.0
     return 1.0 if recent else restitution
@@ -124,7 +124,7 @@ def tangential_impulse(
 @leaf
 def pair_impulse(
     rough: Any, spins: Any, model: Any, rows: Any, i: int, j: int, nx: float, ny: float, nz: float, gn: float,
-    alpha: float,
+    alpha: float, recent: bool,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Momentum that j gets and i loses, for the relative normal velocity gn = (v_j - v_i).n < 0. Turns the spins."""
     mass = reduced_mass(model.mass, model.inverse_masses, i, j)
@@ -139,7 +139,7 @@ def pair_impulse(
         ty = rows[j, 4] - rows[i, 4] - gn * ny - (wz * nx - wx * nz)
         tz = rows[j, 5] - rows[i, 5] - gn * nz - (wx * ny - wy * nx)
         slip = math.sqrt(tx * tx + ty * ty + tz * tz)
-        if slip > 0.0:
+        if slip > 0.0 and not recent:
             factor = tangential_impulse(
                 normal, mass, slip, rough.tangential_restitution, rough.static, rough.sliding, rough.inertia
             )
@@ -244,7 +244,7 @@ def hit_plane(
     nx, ny, nz = _minus_unit(axis, inwards)
     _wall_friction(
         model, rough, rows, spins, i, nx, ny, nz, 0.0, 0.0, 0.0, (1.0 + alpha) * (own - v) / inverse,
-        numbers[TANGENTIAL], numbers[STATIC], numbers[SLIDING],
+        numbers[TANGENTIAL], numbers[STATIC], numbers[SLIDING], recent,
     )  # fmt: skip
     rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * v)
 
@@ -271,11 +271,11 @@ def _own_velocity(seed: Any, numbers: Any, motion: int, now: float, v: float, i:
 @leaf
 def _wall_friction(
     model: Any, rough: Any, rows: Any, spins: Any, i: int, nx: float, ny: float, nz: float, ux: float, uy: float,
-    uz: float, normal: float, alpha_t: float, static: float, sliding: float,
+    uz: float, normal: float, alpha_t: float, static: float, sliding: float, recent: bool,
 ) -> None:  # fmt: skip
     """Tangential impulse of a wall whose surface moves with velocity u, on a grain that can turn; n is towards it."""
     if rough is not None:
-        if alpha_t == 1.0:
+        if recent or alpha_t == 1.0:
             return
         inverse = inverse_mass(model.mass, model.inverse_masses, i)
         radius = _radius(model.diameter, model.radii, i)
@@ -321,7 +321,7 @@ def hit_drum(model: Any, drum: Any, rough: Any, rows: Any, spins: Any, i: int, r
     )
     _wall_friction(
         model, rough, rows, spins, i, n[0], n[1], n[2], u[0], u[1], u[2], (1.0 + alpha) * gn / inverse,
-        drum.tangential_restitution, drum.static, drum.sliding,
+        drum.tangential_restitution, drum.static, drum.sliding, recent,
     )  # fmt: skip
     rows[i, 3 + first] -= (1.0 + alpha) * gn * rx
     rows[i, 3 + second] -= (1.0 + alpha) * gn * ry

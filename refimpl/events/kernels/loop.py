@@ -440,7 +440,7 @@ def _collide(
         recent = in_contact_still(model.contact_duration, min(age_i, age_j))
         alpha = normal_restitution(model.restitution, recent)
         note_pair_before(tallies, fields, model, rows, spins, i, j, now)
-        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha)
+        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
         kick(model, rows, i, j, px, py, pz)
         note_pair_after(tallies, fields, model, rows, spins, i, j, x, y, z, distance, px, py, pz)
         status = REACHED
