@@ -399,7 +399,7 @@ def _drum(seed: int, contact: float) -> Scene:
     return Scene(
         name="drum",
         dimension=2,
-        duration=150.0,
+        duration=300.0,
         acceleration=(0.0, -1.0),
         hard_spheres=HardSpheres(
             restitution=0.6,

@@ -92,9 +92,7 @@ def _feature_scenes(dimension: int, seed: int) -> dict[str, Scene]:
 
     shaken = Face(restitution=0.9, oscillation=Oscillation(amplitude=0.1, frequency=12.0, phase=0.3))
     rough_shaken = shaken.model_copy(update={"friction": _ROUGH_WALL})
-    cylinder = Cylinder(
-        radius=0.5 * side, axis="z" if d == 3 else None, angular_velocity=0.5, restitution=0.9, friction=_ROUGH_WALL
-    )
+    cylinder = Cylinder(radius=0.5 * side, axis="z" if d == 3 else None, angular_velocity=0.5, friction=_ROUGH_WALL)
     return {
         "bare": scene(),
         "walls": scene(box=Box(lengths=(side,) * d, boundaries=closed[:d])),

@@ -51,7 +51,8 @@ class Naive:
     """Hard particles of `model` from the given state, by algorithm v1.0.
 
     positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; only with friction.
-    last: (N,) times of earlier collisions, for the TC model. counts: (N,) of earlier collisions, for random walls.
+    last: (N,) times of earlier collisions, for the TC model; -inf: none. counts: (N,) of earlier collisions, for random
+    walls.
     trace: (time, i, j) of every change of state; j = -1 - face for a wall.
     """
 
@@ -62,7 +63,7 @@ class Naive:
         velocities: ArrayLike,
         angular_velocities: ArrayLike | None = None,
         *,
-        last: ArrayLike = 0.0,
+        last: ArrayLike = -math.inf,
         counts: ArrayLike = 0,
     ) -> None:
         x, v = np.array(positions, dtype=np.float64), np.array(velocities, dtype=np.float64)

@@ -66,9 +66,12 @@ def oscillating_time(
     touch = TOUCH * (scale + amplitude)
     steepest = abs(a) + amplitude * frequency * frequency
     s = 0.0
-    if height > amplitude:  # nothing can happen above the highest place of the wall
-        s = falling_time(height - amplitude, v, a)
     while s < horizon:
+        above = height + s * (v + 0.5 * a * s) - amplitude
+        if above > 0.0:  # nothing can happen above the highest place of the wall
+            s += falling_time(above, v + a * s, a)
+            if s >= horizon:
+                break
         phase = angle + frequency * s
         gap = height + s * (v + 0.5 * a * s) - amplitude * math.cos(phase)
         speed = v + a * s + amplitude * frequency * math.sin(phase)

@@ -83,9 +83,7 @@ class Simulation:
         self._particles = loop.Particles(self._rows, ints, np.zeros(n), np.zeros((n, 3), np.int32), cells, spins, None)
         self._scratch = _scratch(d, 8)
         self._store: Any = schedule.Earliest(0) if scheduler != "lists" else _lists(n, 4 * n + 256)
-        self._queue = (
-            _calendar(n) if scheduler == "calendar" else schedule.Tree(np.zeros(2 * n), np.zeros(2 * n, np.int32))
-        )
+        self._queue = _calendar(n) if scheduler == "calendar" else _tree(n)
         self._trace = _trace() if trace else None
         self._traced: list[tuple[float, int, int]] = []
         self._progress = np.zeros(6, np.int64)
@@ -240,7 +238,7 @@ class Simulation:
         speed = self._speed()
         size = self.model.diameter or max(self.model.lengths)
         times = [size / speed] if speed > 0 else []
-        if self.model.acceleration is not None:
+        if self.model.acceleration is not None and any(self.model.acceleration):
             times.append(math.sqrt(size / math.hypot(*self.model.acceleration)))
         return 2.0**-33 * min(times, default=0.0)
 
@@ -307,8 +305,9 @@ class Simulation:
         return int(self._progress[loop.INTERACTIONS])
 
     def last_collisions(self) -> Floats:
-        """(N,) times of the last change of each state; the start for those without one."""
-        return self._base[0] + (self._base[1] + self._rows[:, schedule.TIME])
+        """(N,) times of the last collision of each particle, -inf for those without one."""
+        times = self._base[0] + (self._base[1] + self._rows[:, schedule.TIME])
+        return np.where(self._particles.ints[:, schedule.COUNT] > 0, times, -np.inf)
 
     def masses(self) -> Floats:
         """(N,), 0 for fixed particles: they have no kinetic energy."""

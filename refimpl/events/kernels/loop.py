@@ -414,6 +414,12 @@ def _no_bond_left(bonds: Any, i: int, j: int) -> bool:
 
 
 @inner
+def _age(rows: Any, ints: Any, i: int, now: float) -> float:
+    """Time since the particle's last collision; NEVER before the first."""
+    return now - rows[i, TIME] if ints[i, COUNT] > 0 else NEVER
+
+
+@inner
 def _collide(
     model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, now: float, instant: float
 ) -> int:
@@ -421,7 +427,7 @@ def _collide(
     if _no_bond_left(particles.bonds, i, j):
         return BONDS_FULL
     rows, ints, spins = particles.rows, particles.ints, particles.spins
-    age_i, age_j = now - rows[i, TIME], now - rows[j, TIME]
+    age_i, age_j = _age(rows, ints, i, now), _age(rows, ints, j, now)
     fixed = is_fixed(model.inverse_masses, j)
     _bring(model, grid, rows, i, now)
     if not fixed:
@@ -487,7 +493,7 @@ def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: floa
 def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float) -> bool:
     """The particle hits a wall; True is a collapse."""
     rows, ints, spins = particles.rows, particles.ints, particles.spins
-    age = now - rows[i, TIME]
+    age = _age(rows, ints, i, now)
     _bring(model, grid, rows, i, now)
     recent = in_contact_still(model.contact_duration, age)
     note_wall_before(tallies, fields, model, rows, spins, i, now)
@@ -577,7 +583,7 @@ def advance(
                 changes -= 1
             else:
                 done = _collide(model, grid, particles, tallies, fields, i, j, now, instant)
-                pairs += done == REACHED
+                pairs += done in (REACHED, COLLAPSED)
                 interactions += done != BONDS_FULL
                 if done == BONDS_FULL or done == COLLAPSED:
                     progress[FIRST], progress[SECOND] = i, j
