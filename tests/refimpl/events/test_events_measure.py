@@ -1,0 +1,194 @@
+"""What is measured at events, against balances of what is conserved, and against other ways to the same number."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import pytest
+from event_scenes import full, scatter, thermal
+
+from refimpl.events.model import Face, Floats, Friction
+from refimpl.events.simulation import Simulation
+
+EPS = float(np.finfo(float).eps)
+GRAVITY = (0.1, -1.0)
+
+
+def heap(fields: tuple[int, int] = (3, 4), number: int = 50, **options: Any) -> Simulation:
+    """Rough disks of two sizes and masses fall on a floor that gives them energy; periodic sideways."""
+    rng = np.random.default_rng(11)
+    small = np.arange(number) < number // 2
+    rough = Friction(-0.3, 0.5, 0.4)
+    model = full(
+        number, lengths=(9.0, 12.0), periodic=(True, False), acceleration=GRAVITY, restitution=0.9, friction=rough,
+        diameters=np.where(small, 0.6, 1.0), masses=np.where(small, 0.5, 2.0),
+        faces=[None, None, Face(0.9, velocity=0.8, friction=rough), Face(0.8, friction=rough)],
+    )  # fmt: skip
+    x = scatter(rng, model.lengths, model.periodic, np.where(small, 0.6, 1.0), number)
+    v, spins = thermal(rng, number, 2), rng.normal(size=(number, 1))
+    return Simulation(model, x, v, spins, **({"tallies": True, "fields": fields, "trace": True} | options))
+
+
+def momentum(simulation: Simulation) -> Floats:
+    return simulation.masses() @ simulation.state().velocities
+
+
+def rounding(simulation: Simulation) -> float:
+    """Of a sum over all events, of what is as large as all energy and momentum that was there or came in."""
+    walls = simulation.tallies()["wall_impulse"]
+    scale = simulation.kinetic_energy() + abs(simulation.potential_energy()) + np.abs(walls).sum()
+    return 4 * simulation.events * EPS * float(scale)
+
+
+@pytest.fixture(scope="module")
+def ran() -> tuple[Simulation, float, Floats]:
+    """After some 5000 events, with the energy and the momentum of the start."""
+    simulation = heap()
+    energy, start = simulation.kinetic_energy() + simulation.potential_energy(), momentum(simulation)
+    simulation.run(until=25.0)
+    assert simulation.interactions > 2_000
+    assert not simulation.stopped
+    return simulation, energy, start
+
+
+def test_energy_balance(ran: Any) -> None:
+    simulation, energy, _ = ran
+    found = simulation.tallies()
+    gained = simulation.kinetic_energy() + simulation.potential_energy() - energy
+    assert found["dissipated_energy"] > 10
+    assert found["wall_energy"][2] > 10
+    assert abs(found["wall_energy"].sum() - found["dissipated_energy"] - gained) < rounding(simulation)
+
+
+def test_momentum_balance(ran: Any) -> None:
+    simulation, _, start = ran
+    weight = simulation.masses().sum() * np.array(GRAVITY)
+    given = -(momentum(simulation) - start - weight * simulation.time)
+    found = simulation.tallies()["wall_impulse"]
+    assert np.abs(found.sum(axis=0) - given).max() < rounding(simulation)
+    assert (found[:2] == 0).all()
+    assert found[2, 1] < 0 < found[3, 1]
+
+
+def test_counts(ran: Any) -> None:
+    simulation, *_ = ran
+    found, who = simulation.tallies(), [other for *_, other in simulation.trace()]
+    assert found["collisions"] == simulation.collisions == sum(other >= 0 for other in who)
+    assert found["wall_collisions"].tolist() == [who.count(-1 - face) for face in range(4)]
+
+
+def test_integrals_of_the_energies() -> None:
+    """Between two events they are parabolas: Gauss's rule of two points is exact."""
+    scout = heap()
+    scout.run(until=8.0)
+    times = [0.0, *(time for time, *_ in scout.trace()), 8.0]
+    simulation, kinetic, potential = heap(), 0.0, 0.0
+    for start, end in itertools.pairwise(times):
+        for point in (0.5 - 0.75**0.5 / 3, 0.5 + 0.75**0.5 / 3):
+            simulation.run(until=max(start + point * (end - start), simulation.time))
+            kinetic += 0.5 * (end - start) * simulation.kinetic_energy()
+            potential += 0.5 * (end - start) * simulation.potential_energy()
+    simulation.run(until=8.0)
+    for found in (simulation.tallies(), scout.tallies()):
+        assert abs(found["kinetic_energy_integral"] - kinetic) < 8 * rounding(simulation)
+        assert abs(found["potential_energy_integral"] - potential) < 8 * rounding(simulation)
+
+
+def test_virial() -> None:
+    """d/dt sum x.p = 2 K + sum x.F + collisions + walls; smooth disks of one size touch walls at known places."""
+    rng, number, side = np.random.default_rng(2), 40, 9.0
+    model = full(
+        number, lengths=(side, side), periodic=(False, False), acceleration=GRAVITY, restitution=0.9,
+        faces=[Face(0.9, velocity=0.5), Face(), Face(velocity=0.3), Face(0.9)],
+    )  # fmt: skip
+    x = scatter(rng, model.lengths, model.periodic, 1.0, number)
+    simulation = Simulation(model, x, thermal(rng, number, 2), tallies=True, fields=(3, 3), trace=True)
+
+    def moment() -> float:
+        _, x, v, _ = simulation.state()
+        return float(np.sum(simulation.masses() @ (x * v)))
+
+    start = moment()
+    simulation.run(until=20.0)
+    found = simulation.tallies()
+    touch = np.array([0.5, side - 0.5])
+    given = sum(touch @ found["wall_impulse"][2 * axis : 2 * axis + 2, axis] for axis in range(2))
+    expected = moment() - start - 2 * found["kinetic_energy_integral"] + found["potential_energy_integral"] + given
+    assert found["collisional_virial"] > 100
+    assert abs(found["collisional_virial"] - expected) < 2 * side * rounding(simulation)
+
+
+# -- fields ---------------------------------------------------------------------------------------
+
+
+def divergence(flux: Floats) -> Floats:
+    """Out of each cell through its faces, from those through the lower ones."""
+    return sum(np.roll(flux[axis], -1, axis=axis) - flux[axis] for axis in range(len(flux)))  # type: ignore[return-value]
+
+
+def largest(values: Floats) -> float:
+    return float(np.abs(values).max())
+
+
+@pytest.mark.parametrize("shape", [(3, 4), (2, 2), (1, 5), (8, 1)])
+def test_budgets_of_cells(shape: tuple[int, int]) -> None:
+    """Of cells of one and of several cells of the event loop; of two along a period, which are neighbours twice."""
+    simulation = heap(shape)
+    simulation.run(until=15.0)
+    f, g, error = simulation.fields(), np.array(GRAVITY), rounding(simulation)
+    changes = {name: f[f"field_final_{name}"] - f[f"field_initial_{name}"] for name in ("mass", "momentum", "energy")}
+    assert f["field_mass"].shape == shape
+    assert f["field_flux_momentum"].shape == (2, *shape, 2)
+    assert (f["field_flux_momentum"][1, :, 0] == 0).all()
+    assert largest(f["field_flux_momentum"]) > 1
+    assert largest(changes["mass"] + divergence(f["field_flux_mass"])) < error
+    pulled = f["field_mass"][..., None] * g + f["field_wall_momentum"]
+    assert largest(changes["momentum"] + divergence(f["field_flux_momentum"]) - pulled) < error
+    work = f["field_momentum"] @ g + f["field_wall_energy"] - f["field_dissipation"]
+    assert largest(changes["energy"] + divergence(f["field_flux_energy"]) - work) < error
+
+
+def test_sums_of_fields(ran: Any) -> None:
+    simulation, _, start = ran
+    f, found, span, mass = simulation.fields(), simulation.tallies(), simulation.time, simulation.masses().sum()
+    error = span * rounding(simulation)
+    assert abs(f["field_mass"].sum() - mass * span) < error
+    assert abs(f["field_kinetic"].sum() + f["field_rotational"].sum() - found["kinetic_energy_integral"]) < error
+    assert abs(f["field_dissipation"].sum() - found["dissipated_energy"]) < error
+    assert abs(f["field_wall_energy"].sum() - found["wall_energy"].sum()) < error
+    assert largest(f["field_wall_momentum"].sum(axis=(0, 1)) + found["wall_impulse"].sum(axis=0)) < error
+    assert f["field_collisions"].sum() == found["collisions"]
+    assert f["field_rotational"].sum() > 1
+    shift = simulation.masses() @ (simulation.state().positions - heap().state().positions)
+    assert largest(f["field_momentum"].sum(axis=(0, 1)) - shift) < error
+    for name, final in (("mass", mass), ("momentum", momentum(simulation)), ("energy", simulation.kinetic_energy())):
+        assert largest(f[f"field_final_{name}"].sum(axis=(0, 1)) - final) < error
+    assert largest(f["field_initial_momentum"].sum(axis=(0, 1)) - start) < error
+
+
+def test_to_look_changes_nothing() -> None:
+    """Sums are the same to rounding, the motion to the last bit."""
+    whole, watched = heap(), heap()
+    whole.run(until=5.0)
+    for end in np.linspace(0, 5, 50):
+        watched.run(until=float(end))
+        watched.fields()
+        watched.tallies()
+    assert watched.trace() == whole.trace()
+    for name, values in whole.fields().items():
+        assert largest(watched.fields()[name] - values) < 5 * rounding(whole), name
+
+
+def test_nothing_was_measured() -> None:
+    plain = heap(tallies=False, fields=None, trace=False)
+    for call in (plain.tallies, plain.fields, plain.trace, plain.operation_counts):
+        with pytest.raises(ValueError, match="give "):
+            call()
+
+
+@pytest.mark.parametrize(("shape", "message"), [((3,), "2 positive"), ((0, 2), "2 positive"), ((12, 2), "axis 0")])
+def test_refused_shapes(shape: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        heap(shape)
