@@ -668,7 +668,7 @@ CHECKS = (
                     "calendar-bucket",
                     "events/kernels/schedule.py",
                     "if queue.day[i] <= today:",
-                    "if queue.day[i] <= today + 1000:",
+                    "if queue.day[i] <= today + 8 * queue.heads.size:",
                     "the calendar takes events of later rounds for today's",
                 ),
             ),

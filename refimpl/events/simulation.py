@@ -144,7 +144,7 @@ class Simulation:
             self._trace.filled[0] = 0
 
     def trace(self) -> list[tuple[float, int, int]]:
-        """(time, i, j) of every change of state since the start; j = -1 - face for a wall. Needs `trace`."""
+        """(time, i, j) of every change of state since the start, a pair in either order; j = -1 - face for a wall."""
         if self._trace is None:
             raise ValueError("events were not traced: give trace=True")
         return self._traced

@@ -542,6 +542,9 @@ def advance(
         if pairs >= most_pairs:
             status = COUNTED
             break
+        if changes >= most_changes:
+            status = PAUSED
+            break
         if due > until:
             now = until
             break
@@ -551,19 +554,16 @@ def advance(
         if _full(trace):
             status = TRACE_FULL
             break
-        if changes >= most_changes:
-            status = PAUSED
-            break
         now = max(now, due)
-        events += 1
         j = np.int64(-1)  # a second particle whose events change
         anew, again, layer = True, True, -1  # its own events; the pair events; those beyond one face only
         if own_time < pair_time:
             if ints[i, OWN] < WALL:
                 layer = ints[i, OWN]
-                if not _cross(model, grid, particles, fields, i, now):
+                if _cross(model, grid, particles, fields, i, now):
+                    tick(counts, CROSSINGS, 1)
+                else:
                     status = CELL_FULL
-                tick(counts, CROSSINGS, 1)
             elif ints[i, OWN] == WAKE:
                 pass
             else:
@@ -585,16 +585,19 @@ def advance(
                 done = _collide(model, grid, particles, tallies, fields, i, j, now, instant)
                 pairs += done in (REACHED, COLLAPSED)
                 interactions += done != BONDS_FULL
+                if done != BONDS_FULL:
+                    _note(trace, now, i, j)
                 if done == BONDS_FULL or done == COLLAPSED:
                     progress[FIRST], progress[SECOND] = i, j
                     status = done
-                else:
-                    _note(trace, now, i, j)
                 if is_fixed(model.inverse_masses, j):
                     j = np.int64(-1)
-        if status != REACHED:
+        if status == CELL_FULL or status == BONDS_FULL:  # nothing has happened yet
             break
+        events += 1
         changes += 1
+        if status == COLLAPSED:
+            break
         if again and layer < 0:
             forget(store, rows, ints, counts, i)
             if j >= 0:

@@ -107,6 +107,17 @@ def test_schedulers_agree_when_memory_is_enlarged() -> None:
     assert runs[1]._store.time.size > 4 * runs[1].number + 256
 
 
+def test_events_are_counted_once() -> None:
+    """Where cells had to be enlarged, too."""
+    narrow, wide = inward("tree"), inward("tree")
+    for _ in range(3):
+        wide._widen_cells()
+    for run in (narrow, wide):
+        run.run(collisions=3_000)
+    assert_same(narrow, wide)
+    assert narrow.events == wide.events
+
+
 # -- conservation ---------------------------------------------------------------------------------
 
 
@@ -173,6 +184,21 @@ def test_pieces_of_a_run_across_a_renewal() -> None:
     assert_same(whole, cut)
 
 
+def test_a_cut_just_before_a_renewal() -> None:
+    """A ball between two walls, hit once in h; after its first event and 65535 bounces, of 65536 h, is a renewal.
+
+    Then it is 65535.5; the cut at 65536.2 is before the next bounce, at 65536.5.
+    """
+    period = 65536 / 65535.5
+    model = full(1, lengths=(3.0, 3.0), periodic=(True, False), faces=[None, None, Face(), Face()])
+    whole, cut = (Simulation(model, [[1.0, 0.5]], [[0.0, 2 / period]], trace=True) for _ in range(2))
+    cut.run(until=65_536.2)
+    for ball in (whole, cut):
+        ball.run(until=70_000.0)
+    assert whole._renewals == 1
+    assert_same(whole, cut)
+
+
 def test_number_of_collisions() -> None:
     gas = spheres(2, 0.3)
     for number in (1, 2, 50, 50):
@@ -196,8 +222,10 @@ def test_what_run_refuses() -> None:
 
 
 def three_in_a_row(alpha: float, contact_duration: float | None = None) -> Simulation:
-    """The outer two fly at the middle one. On a line, three collapse below 7 - 4 sqrt(3) = 0.072 (McNamara, Young
-    1992)."""
+    """The outer two fly at the middle one.
+
+    Three on a line can collapse for alpha < 7 - 4 sqrt(3) = 0.072: McNamara and Young, Phys. Fluids A 4, 496 (1992).
+    """
     x, v = [[2.0, 5.0], [5.0, 5.0], [7.5, 5.0]], [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]]
     return plain_disks(x, v, 20.0, 3, restitution=alpha, contact_duration=contact_duration)
 
@@ -260,8 +288,8 @@ def test_points_never_meet() -> None:
 
 # -- errors ---------------------------------------------------------------------------------------
 
-PERIODIC = {"lengths": (10.0, 10.0), "periodic": (True, True)}
-WALLED = {"lengths": (10.0, 10.0), "periodic": (False, False), "faces": [Face()] * 4}
+PERIODIC: dict[str, Any] = {"lengths": (10.0, 10.0), "periodic": (True, True)}
+WALLED: dict[str, Any] = {"lengths": (10.0, 10.0), "periodic": (False, False), "faces": [Face()] * 4}
 APART, STILL = [[1.0, 1.0], [4.0, 4.0], [7.0, 7.0]], [[0.0, 0.0]] * 3
 
 
