@@ -4,9 +4,9 @@
     python benchmarks/events.py spheres --sizes 1e4,1e6
 
 Each gas is first brought to equilibrium (10 collisions a particle; 4 at 1e6). Then blocks of events are timed, the
-schedulers in turn, and the median block counts; compilation is apart. Beside it stand DynamO's collisions per CPU second
-where they are known (measured on one core of a machine of 2024; Bannerman, Sargant and Lue, J. Comput. Chem. 32, 3329
-(2011)); a collision of a square well is any event at its core or its edge.
+schedulers in turn, and the median block counts; compilation is apart. Beside it stand DynamO's collisions per CPU
+second where they are known (measured on one core of such a machine; Bannerman, Sargant and Lue, J. Comput. Chem. 32,
+3329 (2011)); a collision of a square well is any event at its core or its edge.
 """
 
 from __future__ import annotations
