@@ -728,8 +728,8 @@ CHECKS = (
                 Fault(
                     "missed-neighbours",
                     "events/kernels/loop.py",
-                    "x0, x1 = cx - (layer != 1), cx + (layer != 0)",
-                    "x0, x1 = cx - (layer != 1), cx",
+                    "x0, x1, y0, y1, z0, z1 = cx - 1, cx + 1,",
+                    "x0, x1, y0, y1, z0, z1 = cx - 1, cx,",
                     "particles in the cells to the right are not seen",
                 ),
             ),

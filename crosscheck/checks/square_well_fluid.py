@@ -532,7 +532,7 @@ CHECKS = (
                 Fault(
                     "virial-of-the-core-only",
                     "events/kernels/measure.py",
-                    "        sums[VIRIAL] += virial\n",
+                    "        sums[VIRIAL] += impulse * distance\n",
                     "        sums[VIRIAL] += 0.7 * virial\n",
                     "30 % of the well's part of the virial is missing",
                 ),

@@ -17,7 +17,6 @@ from refimpl.events.model import Floats, Model
 from refimpl.events.prediction import (
     NEAR,
     NEVER,
-    bonded,
     contact_distance,
     drift,
     drum_time,
@@ -30,16 +29,14 @@ from refimpl.events.prediction import (
 )
 from refimpl.events.rules import (
     at_drum,
+    at_edge,
     at_plane,
-    bind,
     in_contact_still,
     is_fixed,
     kick,
     normal_restitution,
     pair_impulse,
-    reduced_mass,
-    unbind,
-    well_velocity,
+    pass_edge,
 )
 from refimpl.events.simulation import State, bonds_of, check_state, spins_of
 
@@ -187,8 +184,10 @@ def happen(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts
     distance = np.sqrt(x * x + y * y + z * z)
     x, y, z = x / distance, y / distance, z / distance
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
-    collided = not _at_edge(model.well, model, rows, bonds, i, j, x, y, z, distance, gn)
-    if collided:
+    collided = not at_edge(model.well, model, i, j, distance * distance)
+    if not collided:
+        pass_edge(model.well, model, rows, bonds, i, j, x, y, z, gn)
+    else:
         recent = in_contact_still(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
         alpha = normal_restitution(model.restitution, recent)
         px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
@@ -198,27 +197,3 @@ def happen(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts
             rows[one, _LAST] = now
             counts[one] += 1
     return collided
-
-
-@leaf
-def _at_edge(
-    well: Any, model: Any, rows: Any, bonds: Any, i: int, j: int, x: float, y: float, z: float, distance: float,
-    gn: float,
-) -> bool:  # fmt: skip
-    if well is None:
-        return False
-    s = contact_distance(model.diameter, model.radii, i, j)
-    if distance < 0.5 * (1.0 + well.range) * s:
-        return False
-    inside = bonded(bonds, i, j)
-    mass = reduced_mass(model.mass, model.inverse_masses, i, j)
-    new, held = well_velocity(gn, inside, 2.0 * well.depth / mass)
-    impulse = mass * (new - gn)
-    kick(model, rows, i, j, impulse * x, impulse * y, impulse * z)
-    if held and not inside:
-        bind(bonds, i, j)
-        bind(bonds, j, i)
-    elif inside and not held:
-        unbind(bonds, i, j)
-        unbind(bonds, j, i)
-    return True

@@ -27,6 +27,7 @@ from refimpl.events.model import (
     UNIFORM_PHASE,
     VELOCITY,
 )
+from refimpl.events.prediction import bonded, contact_distance, radius_of
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _MIX1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -131,7 +132,7 @@ def pair_impulse(
     normal = -(1.0 + alpha) * gn * mass
     px, py, pz = normal * nx, normal * ny, normal * nz
     if rough is not None:
-        ri, rj = _radius(model.diameter, model.radii, i), _radius(model.diameter, model.radii, j)
+        ri, rj = radius_of(model.diameter, model.radii, i), radius_of(model.diameter, model.radii, j)
         wx = ri * spins[i, 0] + rj * spins[j, 0]
         wy = ri * spins[i, 1] + rj * spins[j, 1]
         wz = ri * spins[i, 2] + rj * spins[j, 2]
@@ -152,13 +153,6 @@ def pair_impulse(
                 spins, j, rough.inertia, inverse_mass(model.mass, model.inverse_masses, j), rj, nx, ny, nz, tx, ty, tz
             )
     return px, py, pz
-
-
-@leaf
-def _radius(diameter: float, radii: Any, i: int) -> float:
-    if radii is None:
-        return 0.5 * diameter
-    return radii[i]
 
 
 @leaf
@@ -278,7 +272,7 @@ def _wall_friction(
         if recent or alpha_t == 1.0:
             return
         inverse = inverse_mass(model.mass, model.inverse_masses, i)
-        radius = _radius(model.diameter, model.radii, i)
+        radius = radius_of(model.diameter, model.radii, i)
         wx, wy, wz = radius * spins[i, 0], radius * spins[i, 1], radius * spins[i, 2]
         tx = ux - rows[i, 3] - (wy * nz - wz * ny)
         ty = uy - rows[i, 4] - (wz * nx - wx * nz)
@@ -328,20 +322,50 @@ def hit_drum(model: Any, drum: Any, rough: Any, rows: Any, spins: Any, i: int, r
 
 
 @leaf
-def bind(bonds: Any, i: int, j: int) -> None:
+def _bind(bonds: Any, i: int, j: int) -> None:
     """j is inside i's well from now on."""
     bonds[i, 0] += 1
     bonds[i, bonds[i, 0]] = j
 
 
 @leaf
-def unbind(bonds: Any, i: int, j: int) -> None:
+def _unbind(bonds: Any, i: int, j: int) -> None:
     """j has left i's well."""
     for slot in range(1, bonds[i, 0] + 1):
         if bonds[i, slot] == j:
             bonds[i, slot] = bonds[i, bonds[i, 0]]
             bonds[i, 0] -= 1
             return
+
+
+@leaf
+def at_edge(well: Any, model: Any, i: int, j: int, distance2: float) -> bool:
+    """Whether a pair that has an event at this distance, squared, is at the edge of its well, not at its core."""
+    if well is None:
+        return False
+    middle = 0.5 * (1.0 + well.range) * contact_distance(model.diameter, model.radii, i, j)
+    return distance2 >= middle * middle
+
+
+@leaf
+def pass_edge(
+    well: Any, model: Any, rows: Any, bonds: Any, i: int, j: int, x: float, y: float, z: float, gn: float
+) -> tuple[float, float]:
+    """The rule at the edge of a well: impulse along the normal (x, y, z), and energy that binds the pair more."""
+    if well is None:
+        return 0.0, 0.0
+    inside = bonded(bonds, i, j)
+    mass = reduced_mass(model.mass, model.inverse_masses, i, j)
+    new, held = well_velocity(gn, inside, 2.0 * well.depth / mass)
+    impulse = mass * (new - gn)
+    kick(model, rows, i, j, impulse * x, impulse * y, impulse * z)
+    if held and not inside:
+        _bind(bonds, i, j)
+        _bind(bonds, j, i)
+    elif inside and not held:
+        _unbind(bonds, i, j)
+        _unbind(bonds, j, i)
+    return impulse, well.depth * (np.float64(held) - np.float64(inside))
 
 
 @leaf

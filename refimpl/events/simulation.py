@@ -48,9 +48,8 @@ class Simulation:
     with friction. scheduler: "tree" (earliest event of each particle, complete binary tree), "lists" (the documented
     one: a list of events per owner, complete binary tree), "calendar" (earliest events in a calendar queue). All three
     give the same events, to the last bit. tallies: measure averages and event observables. fields: cells along each
-    axis for the hydrodynamic fields. counting: count operations. trace: keep a list of all
-    changes of state. ValueError names particles that overlap, lie outside
-    the walls, or are not finite.
+    axis for the hydrodynamic fields. counting: count operations. trace: keep a list of all changes of state. ValueError
+    names particles that overlap, lie outside the walls, or are not finite.
     """
 
     def __init__(
@@ -69,7 +68,7 @@ class Simulation:
         x, v = np.array(positions, dtype=np.float64), np.array(velocities, dtype=np.float64)
         self.dimension = d = len(model.lengths)
         self.number = n = check_state(model, x, v)
-        self._scheduler, self._counting = scheduler, np.zeros(6, np.int64) if counting else None
+        self._counting = np.zeros(6, np.int64) if counting else None
         quantum = 2.0 ** (math.ceil(math.log2(max(model.lengths))) - 51)
         lengths = tuple(round(length / quantum) * quantum for length in model.lengths)
         walls = model.walls and model.walls._replace(numbers=model.walls.numbers.copy())

@@ -51,7 +51,6 @@ from refimpl.events.model import AMPLITUDE, OSCILLATING
 from refimpl.events.prediction import (
     NEAR,
     NEVER,
-    bonded,
     contact_distance,
     drift,
     drum_time,
@@ -66,16 +65,14 @@ from refimpl.events.prediction import (
 )
 from refimpl.events.rules import (
     at_drum,
+    at_edge,
     at_plane,
-    bind,
     in_contact_still,
     is_fixed,
     kick,
     normal_restitution,
     pair_impulse,
-    reduced_mass,
-    unbind,
-    well_velocity,
+    pass_edge,
 )
 
 #: Why the loop returned.
@@ -206,16 +203,22 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
     nx, ny, nz = grid.counts
     cx, cy, cz = particles.ints[i, CELL], particles.ints[i, CELL + 1], particles.ints[i, CELL + 2]
     deep = len(model.lengths) - 2
-    x0, x1 = cx - (layer != 1), cx + (layer != 0)
-    y0, y1 = cy - (layer != 3), cy + (layer != 2)
-    z0, z1 = cz - deep * (layer != 5), cz + deep * (layer != 4)
-    if layer >= 0:
-        x0, x1 = (x1, x1) if layer == 1 else ((x0, x0) if layer == 0 else (x0, x1))
-        y0, y1 = (y1, y1) if layer == 3 else ((y0, y0) if layer == 2 else (y0, y1))
-        z0, z1 = (z1, z1) if layer == 5 else ((z0, z0) if layer == 4 else (z0, z1))
-    inner = (x0 >= 0) & (y0 >= 0) & (z0 >= 0) & (x1 < nx) & (y1 < ny) & (z1 < nz)
+    x0, x1, y0, y1, z0, z1 = cx - 1, cx + 1, cy - 1, cy + 1, cz - deep, cz + deep
+    if layer == 0:
+        x1 = x0
+    elif layer == 1:
+        x0 = x1
+    elif layer == 2:
+        y1 = y0
+    elif layer == 3:
+        y0 = y1
+    elif layer == 4:
+        z1 = z0
+    elif layer == 5:
+        z0 = z1
+    inside = (x0 >= 0) & (y0 >= 0) & (z0 >= 0) & (x1 < nx) & (y1 < ny) & (z1 < nz)
     p = 0
-    if inner:
+    if inside:
         for kz in range(z0, z1 + 1 if cells.shape[0] > MANY else z0):
             for ky in range(y0, y1 + 1):
                 place = ((kz * ny + ky) * nx + x0) * (4 * cells.shape[1])
@@ -270,7 +273,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
         for k in range(len(model.lengths)):
             vi, vj = rows[i, SPEED + k], rows[j, SPEED + k]
             gap = rows[j, k] - rows[i, k]
-            if not inner:
+            if not inside:
                 gap += grid.shifts[codes[q], k]
             r = _relative_position(gap, vi, vj, s, acceleration, k)
             v = _relative_speed(vi, vj, s, acceleration, k)
@@ -378,35 +381,6 @@ def _enter(grid: Any, particles: Any, i: int) -> None:
 
 
 @inner
-def _edge_event(
-    well: Any, model: Any, rows: Any, bonds: Any, tallies: Any, fields: Any, i: int, j: int,
-    x: float, y: float, z: float, distance2: float, gn: float, now: float,
-) -> bool:  # fmt: skip
-    """An event at the edge of the well, if this is one."""
-    if well is None:
-        return False
-    s = contact_distance(model.diameter, model.radii, i, j)
-    inside = bonded(bonds, i, j)
-    middle = 0.5 * (1.0 + well.range) * s
-    if distance2 < middle * middle:
-        return False
-    mass = reduced_mass(model.mass, model.inverse_masses, i, j)
-    new, held = well_velocity(gn, inside, 2.0 * well.depth / mass)
-    note_pair_before(tallies, fields, model, rows, None, i, j, now)
-    impulse = mass * (new - gn)
-    kick(model, rows, i, j, impulse * x, impulse * y, impulse * z)
-    note_well(tallies, fields, model, rows, i, j, impulse * np.sqrt(distance2), x, y, z,
-              well.depth * (np.float64(held) - np.float64(inside)))  # fmt: skip
-    if held and not inside:
-        bind(bonds, i, j)
-        bind(bonds, j, i)
-    elif inside and not held:
-        unbind(bonds, i, j)
-        unbind(bonds, j, i)
-    return True
-
-
-@inner
 def _no_bond_left(bonds: Any, i: int, j: int) -> bool:
     if bonds is None:
         return False
@@ -440,9 +414,12 @@ def _collide(
     speed2 = 0.0
     for k in range(3):
         speed2 += rows[i, SPEED + k] ** 2 + rows[j, SPEED + k] ** 2
-    at_edge = _edge_event(model.well, model, rows, particles.bonds, tallies, fields, i, j, x, y, z, distance2, gn, now)
     status = PAUSED
-    if not at_edge and gn < 0.0:
+    if at_edge(model.well, model, i, j, distance2):
+        note_pair_before(tallies, fields, model, rows, None, i, j, now)
+        impulse, bound = pass_edge(model.well, model, rows, particles.bonds, i, j, x, y, z, gn)
+        note_well(tallies, fields, model, rows, i, j, x, y, z, distance, impulse, bound)
+    elif gn < 0.0:
         recent = in_contact_still(model.contact_duration, min(age_i, age_j))
         alpha = normal_restitution(model.restitution, recent)
         note_pair_before(tallies, fields, model, rows, spins, i, j, now)

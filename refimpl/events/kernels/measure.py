@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refimpl.events.compiled import inner, kernel
+from refimpl.events.prediction import pull, radius_of
 
 #: Entries of `Tallies.sums`.
 (
@@ -64,18 +65,11 @@ def _mass(mass: float, inverse_masses: Any, i: int) -> float:
 
 
 @inner
-def _size(diameter: float, radii: Any, i: int) -> float:
-    if radii is None:
-        return 0.5 * diameter
-    return radii[i]
-
-
-@inner
 def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
     """I w^2/2."""
     if rough is None or spins is None:
         return 0.0
-    radius = _size(model.diameter, model.radii, i)
+    radius = radius_of(model.diameter, model.radii, i)
     inertia = rough.inertia * _mass(model.mass, model.inverse_masses, i) * radius * radius
     return 0.5 * inertia * (spins[i, 0] ** 2 + spins[i, 1] ** 2 + spins[i, 2] ** 2)
 
@@ -112,15 +106,10 @@ def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
     """Before the velocities of a pair change; both states are at the present."""
     if tallies is not None:
         _accumulate(tallies.sums, now)
-    _pair_energies(tallies, model, rows, spins, i, j)
-    _stay_pair(fields, model, rows, spins, i, j, now)
-
-
-@inner
-def _pair_energies(tallies: Any, model: Any, rows: Any, spins: Any, i: int, j: int) -> None:
-    if tallies is not None:
         tallies.sums[BEFORE] = _moving(model, rows, i) + _spinning(model.rough, spins, model, i)
         tallies.sums[OTHER_BEFORE] = _moving(model, rows, j) + _spinning(model.rough, spins, model, j)
+    _stay_one(fields, model, rows, spins, i, now)
+    _stay_one(fields, model, rows, spins, j, now)
 
 
 @inner
@@ -141,32 +130,22 @@ def note_pair_after(
 
 @inner
 def note_well(
-    tallies: Any, fields: Any, model: Any, rows: Any, i: int, j: int, virial: float, x: float, y: float, z: float,
-    bound: float,
+    tallies: Any, fields: Any, model: Any, rows: Any, i: int, j: int, x: float, y: float, z: float, distance: float,
+    impulse: float, bound: float,
 ) -> None:  # fmt: skip
     """After an event at the edge of a well; bound: energy by which the pair is bound more than before."""
     if tallies is not None:
         sums = tallies.sums
         lost_i = sums[BEFORE] - _moving(model, rows, i)
         lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j)
-        sums[VIRIAL] += virial
+        sums[VIRIAL] += impulse * distance
         sums[ENERGY] -= lost_i + lost_j
         sums[WELLS] -= bound
-        distance = _edge(model.well, model, i, j)
-        impulse = virial / distance
         half = 0.5 * bound
         _pair_fields(
             fields, model, rows, i, j, x, y, z, distance, impulse * x, impulse * y, impulse * z, lost_i + half,
             lost_j + half, 0.0, 0,
         )  # fmt: skip
-
-
-@inner
-def _edge(well: Any, model: Any, i: int, j: int) -> float:
-    size = _size(model.diameter, model.radii, i) + _size(model.diameter, model.radii, j)
-    if well is None:
-        return size
-    return size * well.range
 
 
 # -- walls -----------------------------------------------------------------------------------------
@@ -175,12 +154,6 @@ def _edge(well: Any, model: Any, i: int, j: int) -> float:
 @inner
 def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     """Before a wall changes a particle's velocity; its state is at the present."""
-    _wall_energies(tallies, model, rows, spins, i, now)
-    _stay_one(fields, model, rows, spins, i, now)
-
-
-@inner
-def _wall_energies(tallies: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     if tallies is not None:
         sums = tallies.sums
         _accumulate(sums, now)
@@ -188,6 +161,7 @@ def _wall_energies(tallies: Any, model: Any, rows: Any, spins: Any, i: int, now:
         sums[SPEED_BEFORE] = rows[i, 3]
         sums[SPEED_BEFORE + 1] = rows[i, 4]
         sums[SPEED_BEFORE + 2] = rows[i, 5]
+    _stay_one(fields, model, rows, spins, i, now)
 
 
 @inner
@@ -264,7 +238,7 @@ def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) ->
     kinetic = 0.0
     for k in range(len(model.lengths)):
         v = rows[i, 3 + k]
-        g = _pull(model.acceleration, k)
+        g = pull(model.acceleration, k)
         fields.momentum[place, k] += mass * (v * (b - a) + 0.5 * g * (b * b - a * a))
         kinetic += v * v * (b - a) + v * g * (b * b - a * a) + g * g * (b**3 - a**3) / 3.0
     fields.mass[place] += mass * (b - a)
@@ -274,23 +248,9 @@ def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) ->
 
 
 @inner
-def _pull(acceleration: Any, k: int) -> float:
-    if acceleration is None:
-        return 0.0
-    return acceleration[k]
-
-
-@inner
 def _stay_one(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     if fields is not None:
         _stay(fields, model, rows, spins, i, now)
-
-
-@inner
-def _stay_pair(fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, now: float) -> None:
-    if fields is not None:
-        _stay(fields, model, rows, spins, i, now)
-        _stay(fields, model, rows, spins, j, now)
 
 
 @inner
@@ -310,7 +270,7 @@ def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i:
             place = _face(fields, _place(fields, i), axis, up)
             fields.flux_mass[axis, place] += sign * mass
             for k in range(len(model.lengths)):
-                v = rows[i, 3 + k] + _pull(model.acceleration, k) * s
+                v = rows[i, 3 + k] + pull(model.acceleration, k) * s
                 energy += 0.5 * mass * v * v
                 fields.flux_momentum[axis, place, k] += sign * mass * v
             fields.flux_energy[axis, place] += sign * energy
@@ -337,11 +297,12 @@ def _face(fields: Any, place: int, axis: int, up: int) -> int:
 
 @inner
 def _next(fields: Any, place: int, axis: int, up: int) -> int:
+    """The next cell up (down) along an axis."""
+    if up:
+        return _face(fields, place, axis, 1)
     shape = fields.shape
     stride = 1 if axis == 0 else (shape[0] if axis == 1 else shape[0] * shape[1])
     here = (place // stride) % shape[axis]
-    if up:
-        return place + stride if here + 1 < shape[axis] else place - here * stride
     return place - stride if here > 0 else place + (shape[axis] - 1) * stride
 
 

@@ -350,7 +350,7 @@ def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: 
 
 
 def pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
-    """Drops i's next event, of a store that keeps the others."""
+    """Drops i's next event from a store that keeps the others; elsewhere all are predicted anew."""
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
@@ -359,8 +359,4 @@ def _pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
     if _is(store, Lists):
         return lambda store, rows, ints, counts, i: _lists_pop(store, rows, ints, counts, i)
 
-    def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
-        rows[i, NEXT] = NEVER
-        ints[i, PARTNER] = -1
-
-    return earliest
+    return lambda store, rows, ints, counts, i: None
