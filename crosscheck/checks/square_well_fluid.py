@@ -533,7 +533,7 @@ CHECKS = (
                     "virial-of-the-core-only",
                     "events/kernels/measure.py",
                     "        sums[VIRIAL] += impulse * distance\n",
-                    "        sums[VIRIAL] += 0.7 * virial\n",
+                    "        sums[VIRIAL] += 0.7 * impulse * distance\n",
                     "30 % of the well's part of the virial is missing",
                 ),
             ),
