@@ -419,10 +419,10 @@ def _arrows(arrows: list[list[list[float | None]]], bounds: tuple[float, ...], f
     if not longest:
         return "", longest
     wide, high = (right - left) / len(arrows[0][0]), (top - bottom) / len(arrows[0])
-    reach = 10 * _ARROW * min(wide, high) * frame.scale / longest
+    reach = 10 * _ARROW * min(wide, high) * frame.scale
     path = ""
     for row, column, u, v in vectors:
-        dx, dy = reach * u, -reach * v
+        dx, dy = reach * (u / longest), -reach * (v / longest)
         length = math.hypot(dx, dy)
         if length < 10:
             continue
