@@ -82,7 +82,9 @@ def oscillating_time(
             if speed == 0.0 and pull < 0.0:
                 return s
         room = max(gap, 0.0)
-        step = (speed + math.sqrt(speed * speed + 2.0 * steepest * room)) / steepest
+        root = math.sqrt(speed * speed + 2.0 * steepest * room)
+        # without cancellation: a slow wall has a small M
+        step = (speed + root) / steepest if speed > 0.0 else 2.0 * room / (root - speed) if root > speed else 0.0
         # where it closes in on the root, or rests on the wall, a step must still be seen on the clock
         s += max(step, math.sqrt(0.25 * touch / steepest) if gap <= touch else 0.0, 2.0**-52 * s)
     return NEVER
