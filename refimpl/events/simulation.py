@@ -85,7 +85,7 @@ class Simulation:
         self._queue = _calendar(n) if scheduler == "calendar" else _tree(n)
         self._trace = _trace() if trace else None
         self._traced: list[tuple[float, int, int]] = []
-        self._progress = np.zeros(6, np.int64)
+        self._progress = np.zeros(7, np.int64)
         self._base, self._now, self._renewals = (0.0, 0.0), 0.0, 0
         self._instant = 0.0
         self.stopped = ""
@@ -213,6 +213,7 @@ class Simulation:
     def _wake(self) -> None:
         """Everybody finds its events anew, at the present."""
         self._instant = self._shortest_time()
+        self._progress[loop.ASLEEP] = 0
         mobile = np.full(self.number, True) if self.model.inverse_masses is None else self.model.inverse_masses > 0
         particles = self._particles
         self._rows[:, schedule.NEXT] = NEVER

@@ -46,6 +46,7 @@ from refimpl.events.kernels.schedule import (
     pop,
     tick,
     update,
+    warm,
 )
 from refimpl.events.model import AMPLITUDE, OSCILLATING
 from refimpl.events.prediction import (
@@ -84,8 +85,8 @@ WALL, DRUM, WAKE = 8, 16, 17
 COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
 #: Cells that do not fit into the near caches any more.
 MANY = 1 << 14
-#: Entries of `progress`.
-PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND = range(6)
+#: Entries of `progress`; ASLEEP: the first particle that has not yet looked for its events.
+PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND, ASLEEP = range(7)
 
 
 class Grid(NamedTuple):
@@ -303,14 +304,28 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
 
 
 @inner
-def _may_meet(walls: Any, face: int, away: float, radius: float) -> bool:
-    """Whether a particle in a cell whose near edge is `away` from a face can touch the wall there."""
+def _first_wall(
+    walls: Any, model: Any, grid: Any, rows: Any, ints: Any, i: int, s: float, now: float, best: float, kind: int
+) -> tuple[float, int]:
+    """The own event that comes before `best`, if a wall is one."""
     if walls is None:
-        return False
-    # a cell is at least a diameter deep: a still wall concerns the last one only
-    return walls.present[face] and (
-        away < walls.numbers[face, AMPLITUDE] + radius if walls.motion[face] == OSCILLATING else away <= 0.0
-    )
+        return best, kind
+    radius = radius_of(model.diameter, model.radii, i)
+    for k in range(len(model.lengths)):
+        x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
+        v = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
+        low = ints[i, CELL + k] * grid.sides[k] - grid.overlaps[k]
+        high = (grid.counts[k] - 1 - ints[i, CELL + k]) * grid.sides[k] - grid.overlaps[k]
+        for side in range(2):
+            face = 2 * k + side
+            away = low if side == 0 else high
+            # a cell is at least a diameter deep: a still wall concerns the last one only
+            reach = walls.numbers[face, AMPLITUDE] + radius if walls.motion[face] == OSCILLATING else 0.0
+            if walls.present[face] and (away < reach or away <= 0.0):
+                span = wall_time(model, walls, face, x, v, radius, now, best)
+                if span <= best and span < NEVER:
+                    best, kind = span, WALL + face
+    return best, kind
 
 
 @inner
@@ -319,7 +334,6 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
     rows, ints = particles.rows, particles.ints
     s = now - rows[i, TIME]
     best, kind = NEVER, 0
-    radius = radius_of(model.diameter, model.radii, i)
     for k in range(len(model.lengths)):
         x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
         v = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
@@ -333,17 +347,8 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
             span = falling_time((cell + 1) * grid.sides[k] + grid.overlaps[k] - x, -v, -a)
             if span < best:
                 best, kind = span, 2 * k + 1
-    for k in range(len(model.lengths)):
-        x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
-        v = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
-        low = ints[i, CELL + k] * grid.sides[k] - grid.overlaps[k]
-        high = (grid.counts[k] - 1 - ints[i, CELL + k]) * grid.sides[k] - grid.overlaps[k]
-        for side in range(2):
-            if _may_meet(model.walls, 2 * k + side, low if side == 0 else high, radius):
-                span = wall_time(model, model.walls, 2 * k + side, x, v, radius, now, best)
-                if span <= best and span < NEVER:
-                    best, kind = span, WALL + 2 * k + side
-    span = drum_time(model, model.drum, rows, i, s, radius)
+    best, kind = _first_wall(model.walls, model, grid, rows, ints, i, s, now, best, kind)
+    span = drum_time(model, model.drum, rows, i, s, radius_of(model.diameter, model.radii, i))
     if span <= best and span < NEVER:
         best, kind = span, DRUM
     particles.own[i] = now + best if best < NEVER else NEVER
@@ -394,6 +399,23 @@ def _age(rows: Any, ints: Any, i: int, now: float) -> float:
 
 
 @inner
+def _passed(
+    well: Any, model: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, x: float, y: float, z: float,
+    distance: float, gn: float, now: float,
+) -> bool:  # fmt: skip
+    """The event at the edge of a well, if the pair is there."""
+    if well is None:
+        return False
+    if not at_edge(well, model, i, j, distance * distance):
+        return False
+    rows, spins = particles.rows, particles.spins
+    note_pair_before(tallies, fields, model, rows, spins, i, j, now)
+    impulse, bound = pass_edge(well, model, rows, particles.bonds, i, j, x, y, z, gn)
+    note_well(tallies, fields, model, rows, spins, i, j, x, y, z, distance, impulse, bound)
+    return True
+
+
+@inner
 def _collide(
     model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, now: float, instant: float
 ) -> int:
@@ -407,19 +429,14 @@ def _collide(
     if not fixed:
         _bring(model, grid, rows, j, now)
     x, y, z = nearest(model, rows, i, j)
-    distance2 = x * x + y * y + z * z
-    distance = np.sqrt(distance2)
+    distance = np.sqrt(x * x + y * y + z * z)
     x, y, z = x / distance, y / distance, z / distance
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
     speed2 = 0.0
     for k in range(3):
         speed2 += rows[i, SPEED + k] ** 2 + rows[j, SPEED + k] ** 2
     status = PAUSED
-    if at_edge(model.well, model, i, j, distance2):
-        note_pair_before(tallies, fields, model, rows, None, i, j, now)
-        impulse, bound = pass_edge(model.well, model, rows, particles.bonds, i, j, x, y, z, gn)
-        note_well(tallies, fields, model, rows, i, j, x, y, z, distance, impulse, bound)
-    elif gn < 0.0:
+    if not _passed(model.well, model, particles, tallies, fields, i, j, x, y, z, distance, gn, now) and gn < 0.0:
         recent = in_contact_still(model.contact_duration, min(age_i, age_j))
         alpha = normal_restitution(model.restitution, recent)
         note_pair_before(tallies, fields, model, rows, spins, i, j, now)
@@ -511,9 +528,17 @@ def advance(
     rows, ints, own = particles.rows, particles.ints, particles.own
     now, status = clock, REACHED
     pairs, events, changes = progress[PAIRS], progress[EVENTS], progress[CHANGES]
-    interactions = progress[INTERACTIONS]
+    interactions, asleep = progress[INTERACTIONS], progress[ASLEEP]
     while True:
-        i = first(queue, counts)
+        # all wake at one instant: to ask a queue for the first of many equal times can cost it all of them
+        if asleep < rows.shape[0]:
+            if is_fixed(model.inverse_masses, asleep):
+                asleep += 1
+                continue
+            i = asleep
+        else:
+            i = first(queue, counts)
+        warm(queue, i)
         pair_time, own_time = rows[i, NEXT], own[i]
         due = min(pair_time, own_time)
         if pairs >= most_pairs:
@@ -542,7 +567,7 @@ def advance(
                 else:
                     status = CELL_FULL
             elif ints[i, OWN] == WAKE:
-                pass
+                asleep += 1
             else:
                 interactions += 1
                 tick(counts, WALL_EVENTS, 1)
@@ -559,6 +584,7 @@ def advance(
                 anew, again = False, not keeps_all(store)
                 changes -= 1
             else:
+                warm(queue, j)
                 done = _collide(model, grid, particles, tallies, fields, i, j, now, instant)
                 pairs += done in (REACHED, COLLAPSED)
                 interactions += done != BONDS_FULL
@@ -588,5 +614,5 @@ def advance(
             update(queue, counts, one, min(rows[one, NEXT], own[one]))
             one, j = j, np.int64(-1)
     progress[PAIRS], progress[EVENTS], progress[CHANGES] = pairs, events, changes
-    progress[INTERACTIONS] = interactions
+    progress[INTERACTIONS], progress[ASLEEP] = interactions, asleep
     return status, now

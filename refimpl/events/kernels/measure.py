@@ -130,14 +130,14 @@ def note_pair_after(
 
 @inner
 def note_well(
-    tallies: Any, fields: Any, model: Any, rows: Any, i: int, j: int, x: float, y: float, z: float, distance: float,
-    impulse: float, bound: float,
+    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
+    distance: float, impulse: float, bound: float,
 ) -> None:  # fmt: skip
     """After an event at the edge of a well; bound: energy by which the pair is bound more than before."""
     if tallies is not None:
         sums = tallies.sums
-        lost_i = sums[BEFORE] - _moving(model, rows, i)
-        lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j)
+        lost_i = sums[BEFORE] - _moving(model, rows, i) - _spinning(model.rough, spins, model, i)
+        lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j) - _spinning(model.rough, spins, model, j)
         sums[VIRIAL] += impulse * distance
         sums[ENERGY] -= lost_i + lost_j
         sums[WELLS] -= bound

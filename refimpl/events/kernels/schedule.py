@@ -18,6 +18,7 @@ from numba import types
 from numba.extending import overload
 
 from refimpl.events.compiled import INNER, inner, kernel
+from refimpl.events.kernels.memory import prefetch
 from refimpl.events.prediction import NEVER
 
 #: Columns of `ints`.
@@ -26,6 +27,8 @@ PARTNER, PARTNER_COUNT, COUNT, CELL, OWN, STREAK = 0, 1, 2, 3, 6, 7
 SPEED, TIME, NEXT = 3, 6, 7
 #: Entries of the operation counts.
 COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS = range(6)
+#: Nodes that stay in the near caches.
+NEAR_NODES = 1 << 13
 
 
 class Tree(NamedTuple):
@@ -104,6 +107,16 @@ def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
         keys[node] = a if first_wins else b
         node >>= 1
     tick(counts, COMPARISONS, steps)
+
+
+@inner
+def _tree_warm(queue: Any, i: int) -> None:
+    # which way an update takes is known long before it does, and the upper levels are in the cache
+    place = queue.nodes.size // 2 + i
+    while place > NEAR_NODES:
+        prefetch(queue.keys, place * 8)
+        prefetch(queue.nodes, place * 4)
+        place >>= 1
 
 
 @kernel
@@ -190,6 +203,15 @@ def build_calendar(queue: Any, times: Any, now: float) -> None:
         _put(queue, i, times[i])
 
 
+@inner
+def _calendar_warm(queue: Any, i: int) -> None:
+    if queue.keys.size > NEAR_NODES:
+        prefetch(queue.day, i * 8)
+        prefetch(queue.keys, i * 8)
+        prefetch(queue.after, i * 4)
+        prefetch(queue.before, i * 4)
+
+
 # -- the interface of queues -----------------------------------------------------------------------
 
 
@@ -218,6 +240,20 @@ def _first(queue: Any, counts: Any) -> Any:
         return lambda queue, counts: np.int64(queue.nodes[1])
     if _is(queue, Calendar):
         return lambda queue, counts: _calendar_first(queue, counts)
+    return None
+
+
+def warm(queue: Any, i: int) -> None:
+    """Hints that particle i's entry is about to change."""
+    raise TypeError(f"not a queue: {type(queue).__name__}")
+
+
+@overload(warm, strict=False, jit_options=INNER)
+def _warm(queue: Any, i: int) -> Any:
+    if _is(queue, Tree):
+        return lambda queue, i: _tree_warm(queue, i)
+    if _is(queue, Calendar):
+        return lambda queue, i: _calendar_warm(queue, i)
     return None
 
 

@@ -10,7 +10,7 @@ import pytest
 from event_scenes import full, scatter, thermal
 from numpy.testing import assert_array_equal
 
-from refimpl.events.model import Face, Floats, Friction
+from refimpl.events.model import Face, Floats, Friction, Well, hard_spheres
 from refimpl.events.simulation import Simulation
 
 EPS = float(np.finfo(float).eps)
@@ -187,6 +187,24 @@ def test_sums_of_fields(ran: Any) -> None:
     for name, final in (("mass", mass), ("momentum", momentum(simulation)), ("energy", simulation.kinetic_energy())):
         assert largest(f[f"field_final_{name}"].sum(axis=(0, 1)) - final) < error
     assert largest(f["field_initial_momentum"].sum(axis=(0, 1)) - start) < error
+
+
+def test_rotation_of_grains_with_wells() -> None:
+    """Most spells end at the edge of a well, where no spin changes: they count all the same."""
+    rng, number = np.random.default_rng(4), 30
+    model = hard_spheres(
+        lengths=(9.0, 9.0), periodic=(True, True), friction=Friction(-0.3, 0.5, 0.4), well=Well(1.0, 1.5)
+    )
+    x = scatter(rng, model.lengths, model.periodic, 1.0, number)
+    simulation = Simulation(
+        model, x, thermal(rng, number, 2), rng.normal(size=(number, 1)), tallies=True, fields=(3, 3)
+    )
+    simulation.run(until=10.0)
+    f, found = simulation.fields(), simulation.tallies()
+    assert simulation.interactions > 2 * simulation.collisions > 100
+    assert f["field_rotational"].sum() > 1
+    error = simulation.time * rounding(simulation)
+    assert abs(f["field_kinetic"].sum() + f["field_rotational"].sum() - found["kinetic_energy_integral"]) < error
 
 
 def test_to_look_changes_nothing() -> None:
