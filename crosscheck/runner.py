@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
-from itertools import groupby, zip_longest
+from itertools import pairwise
 from pathlib import Path
 
 from crosscheck.checks import all_checks
@@ -115,10 +116,22 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
     return Verdict(case.name, case.engine, outcome, judgement, message, cost)
 
 
-def _interleaved(cases: list[Case]) -> list[Case]:
-    """One case of each check in turn: neighbours seldom wait for the compilation of the same kernel."""
-    by_check = [list(group) for _, group in groupby(cases, key=lambda case: case.check)]
-    return [case for turn in zip_longest(*by_check) for case in turn if case is not None]
+class _Shares:
+    """Cases for several threads: each has a stretch of its own, and then takes from the end of the longest.
+
+    Neighbours want the same kernels: one thread after another's heels would wait for what that one compiles.
+    """
+
+    def __init__(self, cases: list[Case], threads: int) -> None:
+        edges = [len(cases) * k // threads for k in range(threads + 1)]
+        self._shares = [deque(cases[start:end]) for start, end in pairwise(edges)]
+        self._of: dict[int, deque[Case]] = {}
+        self._lock = threading.Lock()
+
+    def take(self) -> Case:
+        with self._lock:
+            mine = self._of.setdefault(threading.get_ident(), self._shares[len(self._of) % len(self._shares)])
+            return mine.popleft() if mine else max(self._shares, key=len).pop()
 
 
 def run(
@@ -141,8 +154,9 @@ def run(
     pool = executor or ThreadPoolExecutor(jobs)
     futures: list[Future[Verdict]] = []
     try:
-        parallel = _interleaved([case for case in cases if not case.timing])
-        futures = [pool.submit(work, c) if own else pool.submit(judge, c, seed) for c in parallel]
+        parallel = [case for case in cases if not case.timing]
+        shares = _Shares(parallel, jobs)
+        futures = [pool.submit(lambda: work(shares.take())) if own else pool.submit(judge, c, seed) for c in parallel]
         for future in as_completed(futures):
             yield future.result()
         for case in cases:

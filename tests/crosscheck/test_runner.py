@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -239,6 +240,27 @@ def test_timing_runs_after_the_others_and_alone(monkeypatch: pytest.MonkeyPatch,
     assert {verdict.outcome for verdict in verdicts} == {"pass"}
     assert [verdict.check for verdict in verdicts][6:] == [f"a/timing/{name}" for name in "xyz"]
     assert log[12:] == [(what, f"a/timing/{name}") for name in "xyz" for what in ("start", "end")]
+
+
+def test_threads_start_far_apart_and_share_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two that work on one stretch would wait for each other's kernels; one that has done its own helps."""
+    begun, others = threading.Barrier(2), threading.Event()
+    done: dict[str, list[str]] = {}
+
+    def busy(laboratory: Laboratory, variant: str) -> Judgement:
+        mine = done.setdefault(threading.current_thread().name, [])
+        if not mine:
+            begun.wait(20)
+        mine.append(variant)
+        if variant == "a":  # holds its thread until the other one has done all the rest
+            assert others.wait(20)
+        elif sum(map(len, done.values())) == 8:
+            others.set()
+        return passed(laboratory, variant)
+
+    offer(monkeypatch, check("a/b", busy, variants=fixed(*"abcdefgh")))
+    assert {verdict.outcome for verdict in run(select([], "quick", ["refimpl"]), 0, 2)} == {"pass"}
+    assert sorted(done.values()) == [["a"], ["e", "f", "g", "h", "d", "c", "b"]]
 
 
 def test_an_executor_that_is_given_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
