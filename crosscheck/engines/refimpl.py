@@ -47,8 +47,6 @@ class RefimplEngine:
             return f"'{method.scheme}' is for [hard_spheres] only: take a scheme with time steps"
         if method.scheme == NAIVE and scene.hard_spheres is not None:
             unknown: list[str] = [name for name in scene.output.observables if name not in _PLAIN]
-            if scene.hard_spheres.well is not None and "potential_energy" in scene.output.observables:
-                unknown.append("potential_energy of wells")
             if scene.output.fields is not None:
                 unknown.append("fields")
             if unknown:

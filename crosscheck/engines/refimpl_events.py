@@ -19,6 +19,7 @@ from crosscheck.scene import AXES, TALLIES, Floats, Scene, State
 from refimpl.events import model as events
 from refimpl.events.naive import Naive
 from refimpl.events.simulation import Simulation
+from refimpl.events.state import field_energy, kinetic_energies, rotational_energies, well_energy
 
 #: Tallies that `Simulation` counts anyway, without being asked.
 _COUNTED = ("collisions", "events", "rotational_energy", "operation_counts")
@@ -170,28 +171,13 @@ class _Naive(Naive):
         return len(self.trace)
 
     def kinetic_energy(self) -> float:
-        return (
-            0.5 * float(np.sum(self._masses() * np.sum(self.state().velocities ** 2, axis=1)))
-            + self.rotational_energy()
-        )
+        return float(kinetic_energies(self.model, self.state()).sum())
 
     def rotational_energy(self) -> float:
-        spins, model = self.state().angular_velocities, self.model
-        if spins is None:
-            return 0.0
-        radii = model.diameter / 2 if model.radii is None else model.radii
-        return 0.5 * model.rough.inertia * float(np.sum(self._masses() * radii**2 * np.sum(spins**2, axis=1)))
+        return float(rotational_energies(self.model, self.state().angular_velocities, self.number).sum())
 
     def potential_energy(self) -> float:
-        """Of the field."""
-        field = self.model.acceleration
-        return 0.0 if field is None else -float(self._masses() @ self.state().positions @ np.array(field))
-
-    def _masses(self) -> Floats:
-        inverse = self.model.inverse_masses
-        if inverse is None:
-            return np.full(self.number, self.model.mass)
-        return np.where(inverse > 0, 1.0 / np.where(inverse > 0, inverse, 1.0), 0.0)
+        return field_energy(self.model, self.state().positions) + well_energy(self.model, self._bonds)
 
 
 def _allocate(run: Run, scene: Scene) -> None:

@@ -38,7 +38,7 @@ from refimpl.events.rules import (
     pair_impulse,
     pass_edge,
 )
-from refimpl.events.simulation import State, bonds_of, check_state, spins_of
+from refimpl.events.state import State, bonds_of, check_state, spins_of
 
 #: Rows hold x 0-2, v 3-5, and the time of the particle's last collision 6.
 _LAST = 6

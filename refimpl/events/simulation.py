@@ -11,7 +11,7 @@ as precise as at the start, for any time.
 from __future__ import annotations
 
 import math
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,18 @@ from numpy.typing import ArrayLike, NDArray
 from refimpl.events.kernels import loop, measure, neighbours, schedule
 from refimpl.events.model import FREQUENCY, PHASE, Floats, Model
 from refimpl.events.prediction import NEVER
+from refimpl.events.state import (
+    TOLERANCE,
+    State,
+    check_state,
+    field_energy,
+    kinetic_energies,
+    masses_of,
+    radii_of,
+    rotational_energies,
+    spins_of,
+    well_energy,
+)
 
 Scheduler = Literal["tree", "lists", "calendar"]
 
@@ -28,17 +40,6 @@ RENEWAL = 64
 WAIT = 0.25
 #: Share of a cell's spare width that its overlap takes.
 OVERLAP = 0.999
-#: Overlap of two particles at the start, in diameters, that passes as rounding of the input.
-TOLERANCE = 1e-9
-
-
-class State(NamedTuple):
-    """time; positions (N, d), not wrapped; velocities (N, d); angular_velocities (N, 1 or 3) or None."""
-
-    time: float
-    positions: Floats
-    velocities: Floats
-    angular_velocities: Floats | None
 
 
 class Simulation:
@@ -253,7 +254,8 @@ class Simulation:
         slots = 32 if self.dimension == 3 else 16
         while True:
             bonds = np.zeros((self.number, slots), np.int32)
-            if neighbours.find_bonds(self._radii(), self.model.well.range, bonds, *self._geometry()):
+            radii = radii_of(self.model, self.number)
+            if neighbours.find_bonds(radii, self.model.well.range, bonds, *self._geometry()):
                 break
             slots *= 2
         self._particles = self._particles._replace(bonds=bonds)
@@ -267,16 +269,13 @@ class Simulation:
         cell_of = self._particles.ints[:, schedule.CELL : schedule.CELL + 3]
         return x, cell_of, self._particles.cells, np.array(grid.counts), np.array(grid.wraps), lengths
 
-    def _radii(self) -> Floats:
-        return np.full(self.number, self.model.diameter / 2) if self.model.radii is None else self.model.radii
-
     def _anchor_tallies(self) -> None:
         """The energies, the moment of the field and its rate, from the state."""
         if self._tallies is None:
             return
         sums, field = self._tallies.sums, self.model.acceleration
-        sums[measure.WELLS] = self._well_energy()
-        sums[measure.ENERGY] = self.kinetic_energy() + self._field_energy()
+        sums[measure.WELLS] = well_energy(self.model, self._particles.bonds)
+        sums[measure.ENERGY] = self.kinetic_energy() + field_energy(self.model, self.state().positions)
         if field is not None:
             masses, (_, x, v, _) = self.masses(), self.state()
             sums[measure.HEIGHT] = masses @ x @ field
@@ -311,10 +310,7 @@ class Simulation:
 
     def masses(self) -> Floats:
         """(N,), 0 for fixed particles: they have no kinetic energy."""
-        inverse = self.model.inverse_masses
-        if inverse is None:
-            return np.full(self.number, self.model.mass)
-        return np.where(inverse > 0, 1.0 / np.where(inverse > 0, inverse, 1.0), 0.0)
+        return masses_of(self.model, self.number)
 
     def state(self) -> State:
         """Everybody at the present; nothing of the simulation is changed."""
@@ -329,34 +325,21 @@ class Simulation:
 
     def rotational_energy(self) -> float:
         """sum I w^2/2."""
-        spins, rough = self._particles.spins, self.model.rough
-        if spins is None:
-            return 0.0
-        radii = self._radii()
-        return 0.5 * rough.inertia * float(np.sum(self.masses() * radii**2 * np.sum(spins**2, axis=1)))
+        return float(rotational_energies(self.model, self._particles.spins, self.number).sum())
 
     def kinetic_energy(self) -> float:
         """Translational and rotational."""
-        v = self.state().velocities
-        return 0.5 * float(np.sum(self.masses() * np.sum(v**2, axis=1))) + self.rotational_energy()
+        return float(kinetic_energies(self.model, self.state()).sum())
 
     def potential_energy(self) -> float:
         """Of the field, -sum m g.x with x not wrapped, and of the wells."""
-        return self._field_energy() + self._well_energy()
-
-    def _field_energy(self) -> float:
-        field = self.model.acceleration
-        return 0.0 if field is None else -float(self.masses() @ self.state().positions @ field)
-
-    def _well_energy(self) -> float:
-        bonds = self._particles.bonds
-        return 0.0 if bonds is None else -0.5 * self.model.well.depth * float(bonds[:, 0].sum())
+        return field_energy(self.model, self.state().positions) + well_energy(self.model, self._particles.bonds)
 
     def smallest_gap(self) -> tuple[float, int, int]:
         """Between two surfaces, negative for an overlap, and whose."""
         inverse = self.model.inverse_masses
         fixed = np.zeros(self.number, bool) if inverse is None else inverse == 0
-        gap, one, other = neighbours.closest(self._radii(), fixed, *self._geometry())
+        gap, one, other = neighbours.closest(radii_of(self.model, self.number), fixed, *self._geometry())
         return float(gap), int(one), int(other)
 
     def memory(self) -> int:
@@ -438,11 +421,9 @@ class Simulation:
         assert f is not None
         blocks = [self._particles.ints[:, schedule.CELL + k] // f.blocks[k] for k in range(3)]
         place = (blocks[2] * f.shape[1] + blocks[1]) * f.shape[0] + blocks[0]
-        masses, v, size = self.masses(), self.state().velocities, math.prod(f.shape)
-        energy = 0.5 * masses * np.sum(v**2, axis=1)
-        if self._particles.spins is not None:
-            radii = self._radii()
-            energy += 0.5 * self.model.rough.inertia * masses * radii**2 * np.sum(self._particles.spins**2, axis=1)
+        state = self.state()
+        masses, v, size = self.masses(), state.velocities, math.prod(f.shape)
+        energy = kinetic_energies(self.model, state)
         if self._particles.bonds is not None:
             energy -= 0.5 * self.model.well.depth * self._particles.bonds[:, 0]
         momentum = [np.bincount(place, masses * v[:, k], size) for k in range(d)]
@@ -454,43 +435,6 @@ class Simulation:
 
 
 # -- building --------------------------------------------------------------------------------------
-
-
-def check_state(model: Model, x: Floats, v: Floats) -> int:
-    """Number of particles; ValueError names the first that is not finite, or outside a wall."""
-    n, d = len(x), len(model.lengths)
-    if n == 0:
-        raise ValueError("there are no particles")
-    for name, values in (("positions", x), ("velocities", v)):
-        if values.shape != (n, d):
-            raise ValueError(f"{name}: shape {values.shape} for {n} particles in {d} dimensions")
-        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
-        if bad.size:
-            raise ValueError(f"{name}[{bad[0]}] is not finite: {values[bad[0]]}")
-    for name, given in (("diameters", model.radii), ("masses", model.inverse_masses)):
-        if given is not None and len(given) != n:
-            raise ValueError(f"{name}: {len(given)} values for {n} particles")
-    if model.inverse_masses is not None:
-        moving = np.flatnonzero((model.inverse_masses == 0) & (v != 0).any(axis=1))
-        if moving.size:
-            raise ValueError(f"velocities[{moving[0]}]: a particle of infinite mass stays at rest")
-    radii = np.full(n, model.diameter / 2) if model.radii is None else model.radii
-    slack = TOLERANCE * (model.diameter or 1.0)
-    if model.walls is not None:
-        for face in np.flatnonzero(model.walls.present):
-            axis, far = divmod(int(face), 2)
-            room = (model.lengths[axis] - x[:, axis] if far else x[:, axis]) - radii
-            _, _, amplitude, _, phase, *_ = model.walls.numbers[face]
-            outside = np.flatnonzero(room - amplitude * math.cos(phase) < -slack)
-            if outside.size:
-                raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the wall of face {face}")
-    if model.drum is not None:
-        middle = np.array([model.lengths[model.drum.first], model.lengths[model.drum.second]]) / 2
-        away = np.linalg.norm(x[:, [model.drum.first, model.drum.second]] - middle, axis=1)
-        outside = np.flatnonzero(away + radii > model.drum.radius + slack)
-        if outside.size:
-            raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the cylinder")
-    return n
 
 
 def _grid(model: Model, n: int, quantum: float, fields: tuple[int, ...] | None) -> tuple[loop.Grid, tuple[int, ...]]:
@@ -582,34 +526,6 @@ def _fields(shape: tuple[int, ...], blocks: tuple[int, ...], grid: loop.Grid, n:
         np.zeros((3, cells)), np.zeros((3, cells, 3)), np.zeros((3, cells)), np.zeros(cells), np.zeros(cells),
         np.zeros((cells, 3)), np.zeros(cells), np.zeros(n), ints,
     )  # fmt: skip
-
-
-def spins_of(given: ArrayLike | None, n: int, d: int) -> Floats:
-    """(N, 3) from (N, 1) or (N, 3); zeros for None. ValueError for another shape, or what is not finite."""
-    spins = np.zeros((n, 3))
-    if given is not None:
-        values = np.array(given, dtype=np.float64)
-        if values.shape != (n, 1 if d == 2 else 3) or not np.isfinite(values).all():
-            raise ValueError(f"angular_velocities: finite, of shape ({n}, {1 if d == 2 else 3}); got {values.shape}")
-        spins[:, 2 if d == 2 else 0 :] = values
-    return spins
-
-
-def bonds_of(model: Model, positions: Floats) -> Any:
-    """(N, N + 1) partners inside each particle's well, by all pairs; a row is their number, then who."""
-    n, d = positions.shape
-    bonds = np.zeros((n, n + 1), np.int32)
-    radii = np.full(n, model.diameter / 2) if model.radii is None else model.radii
-    for i in range(n):
-        gaps = positions - positions[i]
-        for k in range(d):
-            if model.periodic[k]:
-                gaps[:, k] -= model.lengths[k] * np.round(gaps[:, k] / model.lengths[k])
-        inside = np.sum(gaps**2, axis=1) < (model.well.range * (radii + radii[i])) ** 2
-        inside[i] = False
-        partners = np.flatnonzero(inside)
-        bonds[i, 0], bonds[i, 1 : 1 + partners.size] = partners.size, partners
-    return bonds
 
 
 def _two_sum(high: float, low: float, more: float) -> tuple[float, float]:

@@ -33,7 +33,7 @@ from crosscheck.scene import (
     Well,
 )
 from refimpl.events import model as events
-from refimpl.events.simulation import State
+from refimpl.events.state import State
 
 EVENTS = Method(scheme="event_driven")
 NAIVE = Method(scheme="event_driven_naive")
@@ -285,6 +285,21 @@ def test_the_naive_algorithm_agrees_with_the_fast_one(refimpl: Worker) -> None:
     translation = 0.5 * (fast.velocities**2).sum(axis=(1, 2))
     np.testing.assert_allclose(fast.kinetic_energy, translation + fast.tallies["rotational_energy"], rtol=1e-13)
     np.testing.assert_allclose(fast.potential_energy, fast.positions[:, :, 1].sum(axis=1), rtol=1e-13)
+
+
+def test_wells_count_in_the_energy_of_the_naive_algorithm(refimpl: Worker) -> None:
+    scene = disks(
+        duration=2.0,
+        hard_spheres=HardSpheres(well=Well(depth=1.0, range=1.5)),
+        box=Box(lengths=(8.0, 8.0), boundaries=("periodic", "periodic")),
+        initial=Lattice(kind="lattice", structure="square", number=20, temperature=1.0, seed=2),
+        output=Output(interval=0.25, observables=("kinetic_energy", "potential_energy")),
+    )
+    run = refimpl.run(scene, NAIVE)
+    assert len(set(run.potential_energy)) > 2
+    np.testing.assert_allclose(
+        run.kinetic_energy + run.potential_energy, run.kinetic_energy[0] + run.potential_energy[0], rtol=1e-13
+    )
 
 
 def test_tallies_and_fields_balance(refimpl: Worker) -> None:

@@ -14,7 +14,8 @@ from event_scenes import full, scatter, spheres, thermal
 from numpy.testing import assert_array_equal
 
 from refimpl.events.model import Face, Floats, Friction, Oscillation, RandomPhase, hard_spheres
-from refimpl.events.simulation import Scheduler, Simulation, State
+from refimpl.events.simulation import Scheduler, Simulation
+from refimpl.events.state import State
 
 SCHEDULERS: tuple[Scheduler, ...] = ("tree", "lists", "calendar")
 EPS = float(np.finfo(float).eps)

@@ -1,0 +1,135 @@
+"""The state of hard particles, what is refused at the start, and the energies: of both algorithms alike."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from refimpl.events.model import Floats, Model
+
+#: Overlap of two particles at the start, in diameters, that passes as rounding of the input.
+TOLERANCE = 1e-9
+
+
+class State(NamedTuple):
+    """time; positions (N, d), not wrapped; velocities (N, d); angular_velocities (N, 1 or 3) or None."""
+
+    time: float
+    positions: Floats
+    velocities: Floats
+    angular_velocities: Floats | None
+
+
+# -- sizes, masses, energies -----------------------------------------------------------------------
+
+
+def radii_of(model: Model, number: int) -> Floats:
+    """(N,)"""
+    return np.full(number, model.diameter / 2) if model.radii is None else model.radii
+
+
+def masses_of(model: Model, number: int) -> Floats:
+    """(N,), 0 for fixed particles: they have no kinetic energy."""
+    inverse = model.inverse_masses
+    if inverse is None:
+        return np.full(number, model.mass)
+    return np.where(inverse > 0, 1.0 / np.where(inverse > 0, inverse, 1.0), 0.0)
+
+
+def rotational_energies(model: Model, spins: Floats | None, number: int) -> Floats:
+    """(N,) I w^2/2, I = q m R^2."""
+    if spins is None:
+        return np.zeros(number)
+    inertia = model.rough.inertia * masses_of(model, number) * radii_of(model, number) ** 2
+    energies: Floats = 0.5 * inertia * np.sum(spins**2, axis=1)
+    return energies
+
+
+def kinetic_energies(model: Model, state: State) -> Floats:
+    """(N,) translational and rotational."""
+    number = len(state.velocities)
+    translation: Floats = 0.5 * masses_of(model, number) * np.sum(state.velocities**2, axis=1)
+    return translation + rotational_energies(model, state.angular_velocities, number)
+
+
+def field_energy(model: Model, positions: Floats) -> float:
+    """-sum m g.x with x not wrapped."""
+    if model.acceleration is None:
+        return 0.0
+    return -float(masses_of(model, len(positions)) @ positions @ np.array(model.acceleration))
+
+
+def well_energy(model: Model, bonds: Any) -> float:
+    """-depth for each pair inside its well; a row of bonds is their number, then the partners."""
+    return 0.0 if model.well is None else -0.5 * model.well.depth * float(bonds[:, 0].sum())
+
+
+# -- the start -------------------------------------------------------------------------------------
+
+
+def check_state(model: Model, x: Floats, v: Floats) -> int:
+    """Number of particles; ValueError names the first that is not finite, or outside a wall."""
+    n, d = len(x), len(model.lengths)
+    if n == 0:
+        raise ValueError("there are no particles")
+    for name, values in (("positions", x), ("velocities", v)):
+        if values.shape != (n, d):
+            raise ValueError(f"{name}: shape {values.shape} for {n} particles in {d} dimensions")
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        if bad.size:
+            raise ValueError(f"{name}[{bad[0]}] is not finite: {values[bad[0]]}")
+    for name, given in (("diameters", model.radii), ("masses", model.inverse_masses)):
+        if given is not None and len(given) != n:
+            raise ValueError(f"{name}: {len(given)} values for {n} particles")
+    if model.inverse_masses is not None:
+        moving = np.flatnonzero((model.inverse_masses == 0) & (v != 0).any(axis=1))
+        if moving.size:
+            raise ValueError(f"velocities[{moving[0]}]: a particle of infinite mass stays at rest")
+    radii = radii_of(model, n)
+    slack = TOLERANCE * (model.diameter or 1.0)
+    if model.walls is not None:
+        for face in np.flatnonzero(model.walls.present):
+            axis, far = divmod(int(face), 2)
+            room = (model.lengths[axis] - x[:, axis] if far else x[:, axis]) - radii
+            _, _, amplitude, _, phase, *_ = model.walls.numbers[face]
+            outside = np.flatnonzero(room - amplitude * math.cos(phase) < -slack)
+            if outside.size:
+                raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the wall of face {face}")
+    if model.drum is not None:
+        middle = np.array([model.lengths[model.drum.first], model.lengths[model.drum.second]]) / 2
+        away = np.linalg.norm(x[:, [model.drum.first, model.drum.second]] - middle, axis=1)
+        outside = np.flatnonzero(away + radii > model.drum.radius + slack)
+        if outside.size:
+            raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the cylinder")
+    return n
+
+
+def spins_of(given: ArrayLike | None, n: int, d: int) -> Floats:
+    """(N, 3) from (N, 1) or (N, 3); zeros for None. ValueError for another shape, or what is not finite."""
+    spins = np.zeros((n, 3))
+    if given is not None:
+        values = np.array(given, dtype=np.float64)
+        if values.shape != (n, 1 if d == 2 else 3) or not np.isfinite(values).all():
+            raise ValueError(f"angular_velocities: finite, of shape ({n}, {1 if d == 2 else 3}); got {values.shape}")
+        spins[:, 2 if d == 2 else 0 :] = values
+    return spins
+
+
+def bonds_of(model: Model, positions: Floats) -> Any:
+    """(N, N + 1) partners inside each particle's well, by all pairs; a row is their number, then who."""
+    n, d = positions.shape
+    bonds = np.zeros((n, n + 1), np.int32)
+    radii = radii_of(model, n)
+    for i in range(n):
+        gaps = positions - positions[i]
+        for k in range(d):
+            if model.periodic[k]:
+                gaps[:, k] -= model.lengths[k] * np.round(gaps[:, k] / model.lengths[k])
+        inside = np.sum(gaps**2, axis=1) < (model.well.range * (radii + radii[i])) ** 2
+        inside[i] = False
+        partners = np.flatnonzero(inside)
+        bonds[i, 0], bonds[i, 1 : 1 + partners.size] = partners.size, partners
+    return bonds
