@@ -335,17 +335,14 @@ def _overlap(scene: Scene, positions: Floats) -> float:
     lengths, sizes = scene.lengths(), scene.diameters()
     assert lengths is not None
     assert sizes is not None
-    wraps = np.array(scene.boundaries) == "periodic"
+    periods = np.where(np.array(scene.boundaries) == "periodic", lengths, 0.0)  # 0: an axis that does not wrap
     x = _wrapped(scene, positions)
-    # a walled axis must not wrap: room of more than a diameter beside it
-    room = np.where(wraps, lengths, 4 * (lengths + np.abs(x).max() + sizes.max()))
-    x = np.where(wraps, x % room, x + 1.5 * sizes.max())
-    tree = cKDTree(np.where(x >= room, 0.0, x), boxsize=room)
-    pairs = tree.query_pairs(float(sizes.max()), p=2.0, eps=0.0, output_type="ndarray")
+    x = np.where((periods > 0) & (x >= periods), 0.0, x)  # where the remainder was rounded up
+    pairs = cKDTree(x, boxsize=periods).query_pairs(float(sizes.max()), output_type="ndarray")
     if not len(pairs):
         return 0.0
     gap = x[pairs[:, 0]] - x[pairs[:, 1]]
-    gap -= room * np.round(gap / room)
+    gap -= periods * np.round(gap / lengths)
     touch = 0.5 * (sizes[pairs[:, 0]] + sizes[pairs[:, 1]])
     return float(max(0.0, (touch - np.linalg.norm(gap, axis=1)).max()) / sizes.mean())
 

@@ -1,0 +1,328 @@
+"""WHAT is simulated: frozen, validated scenes <-> TOML. An absent entry means that the thing is not there.
+
+Quantities are in the scene's own consistent units: reduced for Lennard-Jones, SI where a documented case is in SI.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import tomli_w
+from numpy.typing import NDArray
+from pydantic import ValidationError, model_validator
+
+from crosscheck.errors import UsageError
+from crosscheck.scene.messages import explain
+from crosscheck.scene.parts import (
+    AXES,
+    Box,
+    Explicit,
+    Face,
+    File,
+    Floats,
+    Gravity,
+    HardSpheres,
+    Index,
+    Initial,
+    Kepler,
+    Lattice,
+    LennardJones,
+    Method,
+    NonNegative,
+    Output,
+    Part,
+    Positive,
+    Spring,
+    Vector,
+)
+from crosscheck.scene.start import apocentre, lattice_sites, lattice_sites_inside, random_velocities, read_configuration
+from crosscheck.scene.validity import (
+    check_hard_spheres,
+    check_hard_state,
+    check_rows,
+    refuse_coincidence,
+    refuse_hard_spheres_entries,
+)
+
+
+class State(NamedTuple):
+    """The initial state of N particles in d dimensions.
+
+    positions, velocities (N, d); masses (N,); species (N,) or None; lengths (d,) or None; of hard spheres: diameters
+    (N,), and, if they rotate, angular_velocities (N, 1) in the plane, (N, 3) in space.
+    """
+
+    positions: Floats
+    velocities: Floats
+    masses: Floats
+    species: NDArray[np.int64] | None
+    lengths: Floats | None
+    diameters: Floats | None = None
+    angular_velocities: Floats | None = None
+
+
+class Scene(Part):
+    """A scene: dimension, particles, one interaction, box, initial state, duration and output.
+
+    acceleration: a uniform field, of hard spheres. seed: of what walls draw during the run (thermal velocities, random
+    phases); absent: that of the initial lattice.
+    """
+
+    name: str
+    dimension: Literal[1, 2, 3]
+    duration: NonNegative
+    masses: Positive | tuple[NonNegative, ...] = 1.0
+    species: tuple[Index, ...] | None = None
+    acceleration: Vector | None = None
+    seed: Index | None = None
+    spring: Spring | None = None
+    lennard_jones: LennardJones | None = None
+    gravity: Gravity | None = None
+    hard_spheres: HardSpheres | None = None
+    box: Box | None = None
+    initial: Initial
+    output: Output = Output()
+    method: Method | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scene:
+        interactions = ("spring", "lennard_jones", "gravity", "hard_spheres")
+        given = [name for name in interactions if getattr(self, name) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            names = ", ".join(f"[{name}]" for name in interactions)
+            raise ValueError(f"give exactly one of {names}; found {found}")
+        if given[0] in ("lennard_jones", "hard_spheres") and self.dimension == 1:
+            raise ValueError(f"[{given[0]}] needs dimension 2 or 3")
+        if self.gravity is None and isinstance(self.masses, tuple) and 0.0 in self.masses:
+            raise ValueError("masses: a particle without mass moves with [gravity] only; give it one")
+        if self.box is not None:
+            for key in ("lengths", "boundaries"):
+                value = getattr(self.box, key)
+                if value is not None and len(value) != self.dimension:
+                    raise ValueError(f"box.{key} needs {self.dimension} entries, found {len(value)}")
+        if self.box is not None and self.lennard_jones is None and self.hard_spheres is None:
+            raise ValueError(
+                "[box] goes with [lennard_jones] or [hard_spheres]; springs and gravity act in open space: remove [box]"
+            )
+        if isinstance(self.initial, Explicit):
+            check_rows(self.initial, self.dimension)
+        if isinstance(self.initial, Lattice) and self.box is None:
+            raise ValueError("initial.kind = 'lattice' fills a box: add [box]")
+        recorded = self.output.observables or self.output.trajectory
+        if self.output.interval is None and self.output.collisions is None and recorded:
+            raise ValueError("output.interval is missing: say how often to record")
+        if self.hard_spheres is None:
+            refuse_hard_spheres_entries(self)
+        else:
+            check_hard_spheres(self, self.hard_spheres)
+        return self
+
+    # -- reading and writing -----------------------------------------------------------------------
+
+    @classmethod
+    def from_json(cls, text: str, where: str = "scene") -> Scene:
+        """The scene in a JSON text; UsageError names the path of every wrong key."""
+        try:
+            return cls.model_validate_json(text)
+        except ValidationError as error:
+            raise UsageError(explain(error, where, cls)) from None
+
+    @classmethod
+    def load(cls, path: str | Path) -> Scene:
+        """The scene in a TOML file, with `initial.kind = "file"` read into it."""
+        path = Path(path)
+        try:
+            table = tomllib.loads(path.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise UsageError(f"{path}: cannot be read ({error.strerror}); give the path of a scene file") from None
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise UsageError(f"{path}: not valid TOML: {error}") from None
+        scene = cls.from_json(json.dumps(table, default=str), str(path))
+        if isinstance(scene.initial, File):
+            scene = scene.changed(initial=read_configuration(path.parent / scene.initial.path, scene.dimension))
+        return scene
+
+    def to_json(self) -> str:
+        return self.model_dump_json(exclude_none=True)
+
+    def to_toml(self) -> str:
+        """TOML that `load` reads back to an equal scene."""
+        return tomli_w.dumps(json.loads(self.to_json()))
+
+    def changed(self, **changes: Any) -> Scene:
+        """A validated copy with some entries replaced."""
+        return Scene.from_json(self.model_copy(update=changes).to_json())
+
+    # -- what engines need -------------------------------------------------------------------------
+
+    @property
+    def number(self) -> int:
+        """Number of particles."""
+        if isinstance(self.initial, Explicit):
+            return len(self.initial.positions)
+        if isinstance(self.initial, Lattice):
+            return self.initial.number
+        return 2
+
+    @property
+    def boundaries(self) -> tuple[str, ...]:
+        """Of each axis; periodic where a box does not say."""
+        if self.box is None:
+            return ("open",) * self.dimension
+        return self.box.boundaries or ("periodic",) * self.dimension
+
+    def lengths(self) -> Floats | None:
+        if self.box is None:
+            return None
+        if self.box.lengths is not None:
+            return np.array(self.box.lengths)
+        if self.box.packing_fraction is not None:
+            diameters = self.diameters()
+            assert diameters is not None
+            unit = math.pi / 4 if self.dimension == 2 else math.pi / 6
+            volume = unit * float((diameters**self.dimension).sum()) / self.box.packing_fraction
+            if volume == 0:
+                fraction = self.box.packing_fraction
+                raise UsageError(f"box.packing_fraction = {fraction:g} needs particles with a diameter: give density")
+        else:
+            assert self.box.density is not None
+            volume = self.number / self.box.density
+        return np.full(self.dimension, volume ** (1.0 / self.dimension))
+
+    def samples(self) -> Floats:
+        """Times at which an event-driven run is recorded.
+
+        The start and every `output.interval` up to the duration; without one, start and end. With `output.collisions`,
+        the start and a NaN per count: the run tells when it was.
+        """
+        output = self.output
+        if output.collisions is not None:
+            return np.concatenate([[0.0], np.full(len(output.collisions), np.nan)])
+        if output.interval is None:
+            return np.array([0.0, self.duration])
+        ratio = self.duration / output.interval
+        whole = round(ratio) if abs(ratio - round(ratio)) <= 1e-9 * max(1.0, ratio) else math.floor(ratio)
+        return np.minimum(np.arange(whole + 1) * output.interval, self.duration)
+
+    def diameters(self) -> Floats | None:
+        """Of the hard spheres, (N,); None in other scenes."""
+        if self.hard_spheres is None:
+            return None
+        of_species = np.atleast_1d(self.hard_spheres.diameter)
+        if of_species.size == 1:
+            return np.full(self.number, of_species[0])
+        return of_species[self._species()]
+
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which particles never move, (N,)."""
+        species = None if self.hard_spheres is None else self.hard_spheres.fixed
+        if species is None:
+            return np.zeros(self.number, dtype=bool)
+        return np.isin(self._species(), species)
+
+    def _species(self) -> NDArray[np.int64]:
+        """Of each particle; UsageError if their number is not that of the particles."""
+        species = np.array(self.species or (), dtype=np.int64)
+        if species.size != self.number:
+            raise UsageError(f"species: {species.size} values for {self.number} particles; give one per particle")
+        return species
+
+    @property
+    def faces(self) -> tuple[Face | None, ...]:
+        """The plane walls of hard spheres, one entry a face, x-, x+, y-, y+ ...; None: no wall on this side."""
+        rules = {} if self.box is None or self.box.faces is None else self.box.faces
+        faces = [
+            rules.get(f"{axis}{side}", Face()) if boundary == "hard" else None
+            for axis, boundary in zip(AXES, self.boundaries, strict=False)
+            for side in "-+"
+        ]
+        return tuple(None if face is None or face.open else face for face in faces)
+
+    @property
+    def across(self) -> tuple[int, ...]:
+        """The two axes across the cylinder; none without one."""
+        if self.box is None or self.box.cylinder is None:
+            return ()
+        return tuple(axis for axis in range(self.dimension) if AXES[axis] != self.box.cylinder.axis)
+
+    @property
+    def spin_dimension(self) -> int:
+        """Components of an angular velocity: 0 if nothing rotates, 1 in the plane, 3 in space."""
+        if self.hard_spheres is None or self.hard_spheres.friction is None:
+            return 0
+        return 1 if self.dimension == 2 else 3
+
+    def volume(self) -> float:
+        """Volume (area) of the box; UsageError without one."""
+        lengths = self.lengths()
+        if lengths is None:
+            raise UsageError(f"scene {self.name}: there is no [box], hence no volume")
+        return float(np.prod(lengths))
+
+    def steps(self, dt: float) -> int:
+        """duration/dt, a whole number."""
+        return whole_steps(self.duration, dt, "duration")
+
+    def every(self, dt: float) -> int | None:
+        """Steps between samples, a whole number; None if nothing is recorded."""
+        if self.output.interval is None or not (self.output.observables or self.output.trajectory):
+            return None
+        every = whole_steps(self.output.interval, dt, "output.interval")
+        if every == 0:
+            raise UsageError("output.interval is shorter than method.dt: record less often or take a smaller dt")
+        return every
+
+    def initial_state(self) -> State:
+        """The initial state, the same for every engine.
+
+        UsageError if counts disagree, if particles coincide or, of hard spheres, overlap or are not inside their walls.
+        """
+        lengths = self.lengths()
+        n = self.number
+        masses = np.full(n, self.masses) if isinstance(self.masses, float) else np.array(self.masses)
+        if masses.size != n:
+            raise UsageError(f"masses: {masses.size} values for {n} particles; give one, or one per particle")
+        species = None if self.species is None else self._species()
+        diameters, fixed = self.diameters(), self.fixed()
+        spins = np.zeros((n, self.spin_dimension)) if self.spin_dimension else None
+        if isinstance(self.initial, Explicit):
+            positions = np.array(self.initial.positions)
+            given = self.initial.velocities
+            velocities = np.zeros_like(positions) if given is None else np.array(given)
+            if self.initial.angular_velocities is not None:
+                spins = np.array(self.initial.angular_velocities)
+        elif isinstance(self.initial, Lattice):
+            assert lengths is not None
+            if diameters is None:
+                positions = lattice_sites(self.initial, lengths)
+            else:
+                positions = lattice_sites_inside(self.initial, self, lengths, float(diameters.max()) / 2)
+            velocities = random_velocities(self.initial, masses, self.dimension, fixed)
+        elif isinstance(self.initial, Kepler):
+            positions, velocities = apocentre(self.initial, masses, self.gravity, self.dimension)
+        else:
+            raise UsageError("initial.kind = 'file' is read by Scene.load: load the scene from its file")
+        state = State(positions, velocities, masses, species, lengths, diameters, spins)
+        if self.hard_spheres is not None:
+            check_hard_state(self, self.hard_spheres, state, fixed)
+        elif self.spring is None:
+            refuse_coincidence(positions, lengths, [b == "periodic" for b in self.boundaries])
+        return state
+
+
+def whole_steps(span: float, dt: float, name: str) -> int:
+    """span/dt as an integer; UsageError with the nearest dt that divides it, if none does to 1e-9."""
+    ratio = span / dt
+    if ratio > 2**53:
+        raise UsageError(f"{name} = {span:g} is too many steps of method.dt = {dt:g} to be counted: take a larger dt")
+    steps = round(ratio)
+    if abs(ratio - steps) > 1e-9 * max(1.0, ratio):
+        mend = span / max(1, steps)
+        raise UsageError(f"{name} = {span:g} is not a whole number of steps of method.dt = {dt:g}; try dt = {mend!r}")
+    return steps
