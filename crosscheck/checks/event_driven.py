@@ -353,7 +353,7 @@ def _energy_error(run: Run) -> float:
 
 
 def _sound(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judgement:
-    """Nobody overlaps at any sample, and the energy of elastic grains is kept, but for rounding."""
+    """Nobody overlaps at a sample or a collision, and the energy of elastic grains is kept, but for rounding."""
     lengths, sizes = scene.lengths(), scene.diameters()
     assert run.positions is not None
     assert lengths is not None
@@ -361,8 +361,12 @@ def _sound(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judgement
     deepest = max(_overlap(scene, positions) for positions in run.positions)
     # positions lie on a grid of 2^-51 of the box, and times are rounded to it over a flight
     rounding = 32 * EPSILON * float(lengths.max() / sizes.mean())
+    struck = float(run.tallies["deepest_overlap"][-1])
+    finest = rounding * float(sizes.mean() / sizes.min())
     judgements = [
-        round_off(f"{what}: deepest overlap, in diameters", deepest, rounding, "32 roundings of a coordinate")
+        round_off(f"{what}: deepest overlap, in diameters", deepest, rounding, "32 roundings of a coordinate"),
+        # who was not seen in time is struck too deep
+        round_off(f"{what}: deepest overlap at a collision", struck, finest, "32 roundings of a coordinate"),
     ]
     if elastic:
         collisions = float(run.tallies["collisions"][-1])
@@ -379,7 +383,7 @@ def _sound(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judgement
     return worst(judgements, f"{run.tallies['collisions'][-1]:.0f} collisions")
 
 
-_RECORD: tuple[Observable, ...] = ("kinetic_energy", "collisions")
+_RECORD: tuple[Observable, ...] = ("kinetic_energy", "collisions", "deepest_overlap")
 
 
 def _recorded(samples: int, duration: float) -> Output:
@@ -538,7 +542,7 @@ LONG = 70_000_000
 
 
 def _judge_long(laboratory: Laboratory) -> Judgement:
-    """1e8 events: overlaps at 4000 samples, the energy, and the count of collisions against the first tenth's rate."""
+    """1e8 events: overlaps at 4000 samples and at every collision, and the energy."""
     samples = 4000
     scene = spheres(
         256,

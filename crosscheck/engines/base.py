@@ -150,8 +150,9 @@ def tally_shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
     and of all kinds. collisional_virial: sum over impulses of r_ij . dp_ij, positive for repulsion, wells included.
     dissipated_energy: lost in pair collisions. wall_impulse: momentum given by the particles to each face; wall_energy:
     energy given by each face to the particles; wall_collisions; wall_torque: angular impulse about the cylinder's axis
-    given by it to the particles. kinetic_energy_integral, potential_energy_integral: over time. operation_counts: the
-    columns of `OPERATIONS`. fields: "field_mass", over the grid, stands for them all.
+    given by it to the particles. kinetic_energy_integral, potential_energy_integral: over time. deepest_overlap: the
+    largest (s - r)/s of a pair at its collision so far, s its contact distance. operation_counts: the columns of
+    `OPERATIONS`. fields: "field_mass", over the grid, stands for them all.
     """
     faces = len(face_names(scene))
     wide: dict[str, tuple[int, ...]] = {

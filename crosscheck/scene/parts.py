@@ -276,6 +276,7 @@ Tally = Literal[
     "wall_torque",
     "kinetic_energy_integral",
     "potential_energy_integral",
+    "deepest_overlap",
     "operation_counts",
     "rotational_energy",
 ]

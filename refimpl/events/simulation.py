@@ -97,7 +97,7 @@ class Simulation:
         self._tallies = self._fields = None
         if tallies or fields is not None:
             faces = 2 * d + (model.drum is not None)
-            self._tallies = measure.Tallies(np.zeros(18), np.zeros((faces, 5)))
+            self._tallies = measure.Tallies(np.zeros(measure.SUMS), np.zeros((faces, 5)))
         if fields is not None:
             self._fields = _fields(fields, blocks, self._grid, n, ints)
         self._anchor_tallies()
@@ -359,7 +359,8 @@ class Simulation:
         collisional_virial: sum of r_ij . dp_ij, positive for repulsion. dissipated_energy: lost in pair collisions.
         wall_impulse (faces, d): momentum given to each face (with a drum one more), wall_energy: energy got from it,
         wall_collisions; wall_torque: angular momentum about the drum's axis got from the drum.
-        kinetic_energy_integral, potential_energy_integral: over time.
+        kinetic_energy_integral, potential_energy_integral: over time. deepest_overlap: largest (s - r)/s of a pair at
+        its collision, r apart where s is their contact distance: beyond rounding only after an event was missed.
         """
         if self._tallies is None:
             raise ValueError("nothing was measured: give tallies=True")
@@ -374,6 +375,7 @@ class Simulation:
             "wall_energy": walls[:, measure.WALL_ENERGY].copy(),
             "wall_collisions": walls[:, measure.WALL_COUNT].copy(),
             "wall_torque": sums[measure.TORQUE],
+            "deepest_overlap": sums[measure.DEEPEST],
             "kinetic_energy_integral": sums[measure.ENERGY_TIME] - sums[measure.FIELD_TIME],
             "potential_energy_integral": sums[measure.FIELD_TIME] + sums[measure.WELLS_TIME],
         }

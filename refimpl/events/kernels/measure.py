@@ -8,13 +8,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refimpl.events.compiled import inner, kernel
-from refimpl.events.prediction import pull, radius_of
+from refimpl.events.prediction import contact_distance, pull, radius_of
 
 #: Entries of `Tallies.sums`.
 (
     VIRIAL, DISSIPATED, ENERGY, ENERGY_TIME, FIELD_TIME, SINCE, WELLS, WELLS_TIME, HEIGHT, RISE, PULL, TORQUE, BEFORE,
-    OTHER_BEFORE, SPEED_BEFORE,
-) = range(15)  # fmt: skip
+    OTHER_BEFORE, DEEPEST, SPEED_BEFORE,
+) = range(16)  # fmt: skip
+#: Number of them: the speed before has three components.
+SUMS = 18
 #: Columns of `Tallies.walls` behind the three of the impulse.
 WALL_ENERGY, WALL_COUNT = 3, 4
 
@@ -122,6 +124,8 @@ def note_pair_after(
         sums = tallies.sums
         lost_i = sums[BEFORE] - _moving(model, rows, i) - _spinning(model.rough, spins, model, i)
         lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j) - _spinning(model.rough, spins, model, j)
+        contact = contact_distance(model.diameter, model.radii, i, j)
+        sums[DEEPEST] = max(sums[DEEPEST], (contact - distance) / contact)
         sums[VIRIAL] += distance * (px * x + py * y + pz * z)
         sums[DISSIPATED] += lost_i + lost_j
         sums[ENERGY] -= lost_i + lost_j

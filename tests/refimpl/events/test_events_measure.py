@@ -80,6 +80,18 @@ def test_counts(ran: Any) -> None:
     assert found["wall_collisions"].tolist() == [who.count(-1 - face) for face in range(4)]
 
 
+def test_who_is_not_seen_in_time_is_struck_too_deep(ran: Any) -> None:
+    simulation, *_ = ran
+    quantum = 32 * EPS * max(simulation.model.lengths) / 0.6  # of the smallest grains
+    assert 0 < simulation.tallies()["deepest_overlap"] < quantum
+    # a pair that has got into each other by 1e-10, which passes as the input's rounding, collides there
+    model = full(2, lengths=(9.0, 12.0), periodic=(True, False), restitution=0.9)
+    x, v = [[1.0, 6.0], [2.0 - 1e-10, 6.0]], [[1.0, 0.0], [-1.0, 0.0]]
+    late = Simulation(model, x, v, tallies=True, fields=(3, 4), trace=True)
+    late.run(collisions=1)
+    assert late.tallies()["deepest_overlap"] == pytest.approx(1e-10, rel=1e-4)
+
+
 def test_integrals_of_the_energies() -> None:
     """Between two events they are parabolas: Gauss's rule of two points is exact."""
     scout = heap()
