@@ -288,6 +288,39 @@ def _judge_tree(laboratory: Laboratory, variant: str) -> Judgement:
     )
 
 
+def _judge_calendar(laboratory: Laboratory, variant: str) -> Judgement:
+    """Exact comparisons per event of the calendar queue, the start included: they must not grow."""
+    sizes, batches = SIZES[:7], 20
+    costs, errors = [], []
+    for number in sizes:
+        scene = spheres(number, 0.5, laboratory.seed() % 2**31, duration=1e6)
+        counts = tuple(10 * number // batches * k for k in range(1, batches + 1))
+        output = Output(collisions=counts, observables=("operation_counts", "events"))
+        run = laboratory.run(scene.changed(output=output), Method(scheme="event_driven_calendar"))
+        comparisons, events = run.tallies["operation_counts"][:, 0], run.tallies["events"]
+        costs.append(float(comparisons[-1] / events[-1]))
+        later = np.diff(comparisons[1:]) / np.diff(events[1:])  # of equilibrium: the start scatters in no known way
+        errors.append(float(later.std(ddof=1) / np.sqrt(batches - 1)))
+    n = np.array(sizes, dtype=float)
+    slope, covariance = np.polyfit(np.log2(n), costs, 1, w=1 / np.array(errors), cov="unscaled")
+    return bounded(
+        "growth of the comparisons per event at each doubling of N",
+        float(slope[0]),
+        3 * float(np.sqrt(covariance[0, 0])),
+        "three standard errors of the slope, one-sided: false alarm 0.1 %; a tree adds one comparison",
+        note=f"{costs[0]:.3f} comparisons per event at N = {sizes[0]}, {costs[-1]:.3f} at {sizes[-1]}",
+        figures=(
+            Figure(
+                "Comparisons per event of the calendar queue",
+                "N",
+                "comparisons per event",
+                x_scale="log",
+                series=(Series("calendar", n.tolist(), costs, errors),),
+            ),
+        ),
+    )
+
+
 def _judge_naive(laboratory: Laboratory, variant: str) -> Judgement:
     """CPU time per event of algorithm v1.0 against N."""
     sizes = (128, 256, 512, 1024, 2048)
@@ -360,13 +393,14 @@ def _sound(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judgement
     assert sizes is not None
     deepest = max(_overlap(scene, positions) for positions in run.positions)
     # positions lie on a grid of 2^-51 of the box, and times are rounded to it over a flight
-    rounding = 32 * EPSILON * float(lengths.max() / sizes.mean())
+    rounding = 32 * EPSILON * float(lengths.max() / sizes.min())
+    # a sample is not wrapped: what has gone far is rounded as coarsely
+    coarse = 32 * EPSILON * float(max(lengths.max(), np.abs(run.positions).max()) / sizes.mean())
     struck = float(run.tallies["deepest_overlap"][-1])
-    finest = rounding * float(sizes.mean() / sizes.min())
     judgements = [
-        round_off(f"{what}: deepest overlap, in diameters", deepest, rounding, "32 roundings of a coordinate"),
+        round_off(f"{what}: deepest overlap, in diameters", deepest, coarse, "32 roundings of a coordinate"),
         # who was not seen in time is struck too deep
-        round_off(f"{what}: deepest overlap at a collision", struck, finest, "32 roundings of a coordinate"),
+        round_off(f"{what}: deepest overlap at a collision", struck, rounding, "32 roundings of a coordinate"),
     ]
     if elastic:
         collisions = float(run.tallies["collisions"][-1])
@@ -688,6 +722,28 @@ CHECKS = (
             (
                 "tree",
                 LINEAR_SCAN,
+            ),
+        ),
+        tier="full",
+    ),
+    Check(
+        name="events/cost-calendar",
+        title="Comparisons per event of the calendar queue against the number of particles: O(1)",
+        equation="comparisons per event = a",
+        criterion="from the start on, no growth with N beyond three standard errors",
+        citation="Brown, Commun. ACM 31, 1220 (1988); Paul, J. Comput. Phys. 221, 615 (2007)",
+        judge=_judge_calendar,
+        variants=fixed("spheres"),
+        faults=(
+            (
+                "spheres",
+                Fault(
+                    "wake-by-queue",
+                    "events/kernels/loop.py",
+                    "if asleep < rows.shape[0]:",
+                    "if asleep < 0:",
+                    "the queue is asked who wakes next: all N wait in one bucket",
+                ),
             ),
         ),
         tier="full",
