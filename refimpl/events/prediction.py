@@ -270,6 +270,22 @@ def wall_time(
 
 
 @leaf
+def resting_flight(walls: Any, model: Any, face: int) -> float:
+    """What flies for a shorter span between two hits of an oscillating wall rests on it; 0 for other walls.
+
+    Lower than s rises the wall's search takes no notice of: with M of `oscillating_time`, M t^2/2 = s for t some
+    sqrt(s/M). A particle that comes to rest on the wall goes on in flights of that length, of no meaning, forever.
+    """
+    if walls is None:
+        return 0.0
+    if walls.motion[face] != OSCILLATING:
+        return 0.0
+    amplitude, frequency = walls.numbers[face, AMPLITUDE], walls.numbers[face, FREQUENCY]
+    steepest = abs(pull(model.acceleration, face >> 1)) + amplitude * frequency * frequency
+    return 4.0 * math.sqrt(TOUCH * (model.lengths[face >> 1] + amplitude) / steepest)
+
+
+@leaf
 def drum_time(model: Any, drum: Any, rows: Any, i: int, s: float, radius: float) -> float:
     """Span until the particle, whose state is s old, reaches the circular wall; NEVER without one."""
     if drum is None:

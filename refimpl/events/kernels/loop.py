@@ -60,6 +60,7 @@ from refimpl.events.prediction import (
     pair_time,
     pull,
     radius_of,
+    resting_flight,
     rests,
     speed_after,
     wall_time,
@@ -496,6 +497,7 @@ def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: in
         face = 2 * len(model.lengths)
         at_drum(model, model.drum, rows, spins, i, recent)
     else:
+        instant = max(instant, resting_flight(model.walls, model, face))
         at_plane(model, model.walls, rows, spins, i, ints[i, COUNT], face, now, recent)
     note_wall_after(tallies, fields, model, rows, spins, i, face)
     note_drum(tallies, model, rows, i, face)

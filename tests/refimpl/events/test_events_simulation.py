@@ -270,6 +270,22 @@ def test_collapse_on_a_floor() -> None:
     assert ball.time == pytest.approx(2 * 3, abs=1e-6)
 
 
+@pytest.mark.parametrize(("strength", "frequency"), [(0.5, 3.0), (0.5, 100.0), (10.0, 20.0)])
+def test_collapse_on_an_oscillating_floor(strength: float, frequency: float) -> None:
+    """strength: A omega^2/g. A ball at rest on the floor would hit it some 1e8 times in a unit of time."""
+    amplitude = strength / frequency**2
+    faces = [None, None, Face(0.3, oscillation=Oscillation(amplitude, frequency, 0.0)), None]
+    model = full(1, lengths=(5.0, 5.0), periodic=(True, False), acceleration=(0.0, -1.0), faces=faces)
+    ball = Simulation(model, [[1.0, 1.5]], [[0.0, 0.0]], trace=True)
+    ball.run(until=200.0)
+    assert ball.stopped.startswith("inelastic collapse of particle 0 with a wall at t = ")
+    assert ball.interactions < 2000
+    (_, x, v, _), angle = ball.state(), frequency * ball.time
+    assert abs(x[0, 1] - 0.5 - amplitude * np.cos(angle)) < 1e-13
+    assert abs(v[0, 1] + amplitude * frequency * np.sin(angle)) < 1e-6
+    assert amplitude * frequency**2 * np.cos(angle) < 1  # g presses it on
+
+
 # -- points ---------------------------------------------------------------------------------------
 
 
