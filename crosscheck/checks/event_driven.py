@@ -725,6 +725,7 @@ CHECKS = (
             ),
         ),
         tier="full",
+        timing=True,
     ),
     Check(
         name="events/cost-calendar",
