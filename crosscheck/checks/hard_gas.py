@@ -622,7 +622,7 @@ def _judge_mixture(laboratory: Laboratory, variant: str) -> Judgement:
 
 
 def _mixture_figure(dimension: int, eta: float, z: float, error: float) -> Figure:
-    x = np.linspace(0.02, 0.5, 40)
+    x = np.linspace(0.02, 0.52 if dimension == 2 else reference.packing_fraction(0.89, 3), 40)
     large = 1 / (1 + len(_SMALL_SITES[dimension]))
 
     def law(e: float) -> float:
@@ -632,7 +632,6 @@ def _mixture_figure(dimension: int, eta: float, z: float, error: float) -> Figur
         return reference.mixture_compressibility(species, dimension).value
 
     name = "disks" if dimension == 2 else "spheres"
-    x = x[x < (0.5 if dimension == 2 else 0.47)]
     pure = [reference.compressibility(e, dimension).value for e in x]
     return Figure(
         f"equation of state of a mixture of {name}", "eta", "Z = p/(n T)", "linear", "linear",
