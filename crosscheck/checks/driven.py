@@ -96,16 +96,21 @@ def _picture(title: str, run: Run, frame: Frame | Drum, period: float | None, va
     x, y = run.final_positions.T
     if period is not None:
         x = x % period
-    ends = (0.0, float(np.quantile(values, 0.98)))
+    ends = (0.0, float(np.nanquantile(values, 0.98)))
     return Figure(title, "x", "y", snapshot=Snapshot(x.tolist(), y.tolist(), 0.5, frame, values.tolist(), label, ends))
 
 
-def _local_temperature(run: Run, reach: float) -> Floats:
-    """(<v^2> - <v>^2)/2 of each disk with its neighbours within `reach`, itself among them."""
+def _local_temperature(run: Run, reach: float, period: float = 0.0) -> Floats:
+    """(<v^2> - <v>^2)/2 of each disk with its neighbours within `reach`; NaN for a lone one; period: of x, or 0."""
     from scipy.spatial import cKDTree
 
-    groups = cKDTree(run.final_positions).query_ball_point(run.final_positions, reach)
-    return np.array([0.5 * run.final_velocities[group].var(axis=0).sum() for group in groups])
+    x = run.final_positions.copy()
+    if period:
+        x[:, 0] -= period * np.floor(x[:, 0] / period)
+        x[x[:, 0] >= period, 0] = 0.0  # where the remainder was rounded up
+    v, near = run.final_velocities, cKDTree(x, boxsize=np.array([period, 0.0]))
+    groups = [near.query_ball_point(place, reach) for place in x]
+    return np.array([0.5 * v[group].var(axis=0).sum() if len(group) > 1 else math.nan for group in groups])
 
 
 # -- a bed on a shaken floor ---------------------------------------------------------------------------
@@ -192,6 +197,14 @@ def _judge_shaken(laboratory: Laboratory) -> Judgement:
         _map("Bed: packing fraction", cells * math.pi / 4, frame, "packing fraction, by centres"),
         _map("Bed: temperature", temperature(*total), frame, "T"),
         _picture("Bed: grains", runs[-1], frame, width, np.linalg.norm(runs[-1].final_velocities, axis=1), "speed"),
+        _picture(
+            "Bed: granular temperature",
+            runs[-1],
+            frame,
+            width,
+            _local_temperature(runs[-1], 4.0, width),
+            "T of the neighbours",
+        ),
     )
     note = f"power {given.mean() / scene.duration:.4g}, {int(_last(runs, 'collisions').sum())} collisions"
     return _with(worst(judgements, note), figures)
