@@ -192,6 +192,12 @@ def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edg
 
 
 @inner
+def _prefetch_radius(radii: Any, i: int) -> None:
+    if radii is not None:
+        prefetch(radii, i * 8)
+
+
+@inner
 def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
     """Finds the events of particle i with those in the cells about it, and gives them to the store.
 
@@ -261,6 +267,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
                         p += 1
     for q in range(p):
         prefetch(rows, ids[q] * 64)
+        _prefetch_radius(radii, ids[q])
     tick(counts, PREDICTIONS, p)
 
     ti = rows[i, TIME]
