@@ -34,6 +34,15 @@ class _Class(NamedTuple):
     fixed: bool
 
 
+def wrapped(positions: Floats, periods: Floats) -> Floats:
+    """Positions (N, d) in [0, period), where a search in trees wants them, along the axes whose period is not 0."""
+    inside = positions.copy()
+    wraps = periods > 0
+    inside[:, wraps] %= periods[wraps]
+    inside[:, wraps] = np.where(inside[:, wraps] < periods[wraps], inside[:, wraps], 0.0)  # a remainder rounded up
+    return inside
+
+
 def find_overlap(
     positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats, rounding: float
 ) -> Overlap | None:
@@ -42,15 +51,12 @@ def find_overlap(
     positions: (N, d); diameters, fixed: (N,); periods: (d,), 0 along axes that are not periodic. Pairs of fixed
     particles, and of particles of diameter 0, may be anywhere. A periodic axis must exceed two contact distances.
     """
-    wraps = periods > 0
-    wrapped = positions.copy()
-    wrapped[:, wraps] %= periods[wraps]
-    wrapped[:, wraps] = np.where(wrapped[:, wraps] < periods[wraps], wrapped[:, wraps], 0.0)
-    classes = _classes(wrapped, diameters, fixed, periods)
+    inside = wrapped(positions, periods)
+    classes = _classes(inside, diameters, fixed, periods)
     for one, other in combinations_with_replacement(classes, 2):
         if (one.fixed and other.fixed) or one.largest + other.largest == 0:
             continue
-        i, j, distances = _near(wrapped, one, other, rounding)
+        i, j, distances = _near(inside, one, other, rounding)
         gaps = distances - 0.5 * (diameters[i] + diameters[j])
         if gaps.size and gaps.min() < -rounding:
             worst = int(gaps.argmin())

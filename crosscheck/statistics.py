@@ -7,7 +7,7 @@ Literature: H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91, 461 (1989) (bloc
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +44,17 @@ def correlated_mean(series: ArrayLike, window: float = 6.0) -> Mean:
     tau_sum = max(0.5, float(tau[stop[0]] if stop.size else tau[n // 2 - 1]))
     error = np.sqrt(2 * tau_sum * variance / n * (1 + 2 * tau_sum / n))
     return Mean(float(x.mean()), float(error), n / (2 * tau_sum))
+
+
+def standard_error(values: ArrayLike) -> Any:
+    """Of the mean over the first axis, of n independent values: s/n^(1/2), s^2 = sum (x - mean)^2/(n - 1)."""
+    x = np.asarray(values, dtype=np.float64)
+    return x.std(axis=0, ddof=1) / len(x) ** 0.5
+
+
+def independent_mean(values: ArrayLike) -> tuple[float, float]:
+    """Mean of independent values, and its standard error."""
+    return float(np.asarray(values).mean()), float(standard_error(values))
 
 
 class Slope(NamedTuple):

@@ -15,6 +15,7 @@ from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
 from crosscheck.references import hard_spheres as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Method, Output, Scene
+from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Figure, Judgement, Series, statistical
 
 _METHOD = Method(scheme="event_driven")
@@ -140,10 +141,6 @@ def _tracers(scene: Scene, run: Run) -> Floats:
     return np.asarray(run.velocities[len(run.time) // 10 :, large])
 
 
-def _over_runs(values: Floats) -> tuple[float, float]:
-    return float(values.mean()), float(values.std(ddof=1) / len(values) ** 0.5)
-
-
 def _judge(laboratory: Laboratory, variant: str) -> Judgement:
     """Initial decay and equipartition, in space also the decay after 1/gamma; the runs are the independent samples."""
     dimension, bath = int(variant[0]), BATHS[variant]
@@ -153,7 +150,7 @@ def _judge(laboratory: Laboratory, variant: str) -> Judgement:
     why = f"standard error over {RUNS} runs"
 
     first = np.flatnonzero(decay.time >= bath.early)[0]
-    initial, error = _over_runs(decay.loss[:, first] / (known.variance - model[first]))
+    initial, error = independent_mean(decay.loss[:, first] / (known.variance - model[first]))
     # of the bath's particles that have met the tracer, omega t/2 have met another since, on average; about a third of
     # those come back to it, with half the momentum
     back = _bath_rate(dimension, bath) * bath.early / 12
@@ -190,7 +187,7 @@ def _decay_in_space(decay: _Decay, known: Theory, bath: Bath, why: str) -> Judge
     slip = 4 * np.pi * viscosity * (1 + SIZE) / 2
     slower = known._replace(gamma=known.gamma / (1 + known.gamma * MASS / slip))
     place = int(np.searchsorted(decay.time, 1 / known.gamma))
-    measured, error = _over_runs(decay.loss[:, place] / known.variance)
+    measured, error = independent_mean(decay.loss[:, place] / known.variance)
     ends = [float(1 - one.autocorrelation(decay.time[place]) / one.variance) for one in (known, slower)]
     return statistical(
         f"1 - C/C(0) after {decay.time[place]:g} = 1/gamma",
@@ -205,7 +202,7 @@ def _decay_in_space(decay: _Decay, known: Theory, bath: Bath, why: str) -> Judge
 
 
 def _equipartition(dimension: int, bath: Bath, decay: _Decay, known: Theory, why: str) -> list[Judgement]:
-    square, square_error = _over_runs(decay.squares[:, 0])
+    square, square_error = independent_mean(decay.squares[:, 0])
     # <v^4>/<v^2>^2 of all runs together; its error by leaving out one run at a time
     total = decay.squares.sum(axis=0)
     ratio = float(RUNS * total[1] / total[0] ** 2)
@@ -243,7 +240,7 @@ def _decay_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
     time = decay.time[shown]
     # C(0) is known: the measured loss has less noise than C
     c = 1 - decay.loss[:, shown].mean(axis=0) / known.variance
-    error = decay.loss[:, shown].std(axis=0, ddof=1) / RUNS**0.5 / known.variance
+    error = standard_error(decay.loss[:, shown]) / known.variance
     return Figure(
         f"velocity autocorrelation of the heavy particle, {dimension} dimensions", "gamma t", "C(t)/C(0)",
         series=(

@@ -18,6 +18,7 @@ from crosscheck.checks.fields import OBSERVABLES, column, energy_defect, run_on,
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
+from crosscheck.overlaps import wrapped
 from crosscheck.references import EPSILON
 from crosscheck.references.hard_spheres import (
     Estimate,
@@ -38,7 +39,7 @@ from crosscheck.scene import (
     RandomPhase,
     Scene,
 )
-from crosscheck.statistics import Mean, correlated_mean
+from crosscheck.statistics import Mean, correlated_mean, standard_error
 from crosscheck.verdict import (
     FALSE_ALARM,
     Drum,
@@ -92,23 +93,19 @@ def _map(title: str, values: Floats, frame: Frame | Drum, label: str) -> Figure:
     return Figure(title, "x", "y", map=FieldMap(values.T.tolist(), frame, label))
 
 
-def _picture(title: str, run: Run, frame: Frame | Drum, period: float | None, values: Floats, label: str) -> Figure:
-    x, y = run.final_positions.T
-    if period is not None:
-        x = x % period
+def _picture(title: str, run: Run, frame: Frame | Drum, period: float, values: Floats, label: str) -> Figure:
+    x, y = wrapped(run.final_positions, np.array([period, 0.0])).T
     ends = (0.0, float(np.nanquantile(values, 0.98)))
     return Figure(title, "x", "y", snapshot=Snapshot(x.tolist(), y.tolist(), 0.5, frame, values.tolist(), label, ends))
 
 
-def _local_temperature(run: Run, reach: float, period: float = 0.0) -> Floats:
+def _local_temperature(run: Run, reach: float, period: float) -> Floats:
     """(<v^2> - <v>^2)/2 of each disk with its neighbours within `reach`; NaN for a lone one; period: of x, or 0."""
     from scipy.spatial import cKDTree
 
-    x = run.final_positions.copy()
-    if period:
-        x[:, 0] -= period * np.floor(x[:, 0] / period)
-        x[x[:, 0] >= period, 0] = 0.0  # where the remainder was rounded up
-    v, near = run.final_velocities, cKDTree(x, boxsize=np.array([period, 0.0]))
+    periods = np.array([period, 0.0])
+    x, v = wrapped(run.final_positions, periods), run.final_velocities
+    near = cKDTree(x, boxsize=periods)
     groups = [near.query_ball_point(place, reach) for place in x]
     return np.array([0.5 * v[group].var(axis=0).sum() if len(group) > 1 else math.nan for group in groups])
 
@@ -212,7 +209,7 @@ def _judge_shaken(laboratory: Laboratory) -> Judgement:
 
 def _curve(label: str, x: Floats, values: Floats) -> Series:
     """Mean and standard error over stretches."""
-    error = values.std(axis=0, ddof=1) / len(values) ** 0.5
+    error = standard_error(values)
     return Series(label, x.tolist(), values.mean(axis=0).tolist(), error.tolist())
 
 
@@ -488,8 +485,10 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
     hot = np.where(inside, temperature(t["field_mass"], t["field_momentum"], t["field_kinetic"]), math.nan)
     share = t["field_mass"] / run.time[-1] * (math.pi / 4) / (_DRUM_RADIUS / 8) ** 2
     figures = (
-        _picture("Drum: grains", run, frame, None, np.linalg.norm(run.final_velocities, axis=1), "speed"),
-        _picture("Drum: granular temperature", run, frame, None, _local_temperature(run, 2.0), "T of the neighbours"),
+        _picture("Drum: grains", run, frame, 0.0, np.linalg.norm(run.final_velocities, axis=1), "speed"),
+        _picture(
+            "Drum: granular temperature", run, frame, 0.0, _local_temperature(run, 2.0, 0.0), "T of the neighbours"
+        ),
         _map("Drum: packing fraction", np.where(inside, share, math.nan), frame, "packing fraction, by centres"),
         _map("Drum: mean temperature", hot, frame, "T"),
         Figure(
@@ -790,9 +789,10 @@ def _judge_clusters(positions: Floats, length: float) -> Judgement:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
+    lengths = np.full(2, length)
     crowded, sizes = np.zeros(len(positions)), np.zeros(_NUMBER + 1)
     for sample, x in enumerate(positions):
-        pairs = cKDTree(x % length, boxsize=np.full(2, length)).query_pairs(_NEAR, output_type="ndarray")
+        pairs = cKDTree(wrapped(x, lengths), boxsize=lengths).query_pairs(_NEAR, output_type="ndarray")
         graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(_NUMBER, _NUMBER))
         labels = connected_components(graph, directed=False)[1]
         members = np.bincount(np.bincount(labels), minlength=_NUMBER + 1)

@@ -10,6 +10,7 @@ from crosscheck.checks.base import Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
+from crosscheck.overlaps import wrapped
 from crosscheck.references import EPSILON
 from crosscheck.scene import (
     Box,
@@ -29,7 +30,7 @@ from crosscheck.scene import (
     Well,
     explicit,
 )
-from crosscheck.statistics import model_comparison
+from crosscheck.statistics import model_comparison, standard_error
 from crosscheck.verdict import Figure, Judgement, Series, bounded, round_off
 
 Boundary: TypeAlias = Literal["periodic", "wall", "open", "hard"]
@@ -142,7 +143,7 @@ def _judge_specification(laboratory: Laboratory, variant: str) -> Judgement:
     for k in range(windows):
         spins = None if run.angular_velocities is None else run.angular_velocities[k]
         start = _shifted(scene, float(run.time[k])).changed(
-            initial=explicit(_wrapped(scene, run.positions[k]), run.velocities[k], spins),
+            initial=explicit(wrapped(run.positions[k], _periods(scene)), run.velocities[k], spins),
             duration=window,
             output=Output(interval=window, observables=("collisions",)),
         )
@@ -175,11 +176,11 @@ def _counted(interval: float) -> Output:
     return Output(interval=interval, observables=("collisions", "wall_collisions"), trajectory=True)
 
 
-def _wrapped(scene: Scene, positions: Floats) -> Floats:
+def _periods(scene: Scene) -> Floats:
+    """(d,), 0 along axes that do not wrap."""
     lengths = scene.lengths()
     assert lengths is not None
-    wraps = np.array(scene.boundaries) == "periodic"
-    return positions - wraps * lengths * np.floor(positions / lengths)
+    return np.where(np.array(scene.boundaries) == "periodic", lengths, 0.0)
 
 
 def _shifted(scene: Scene, time: float) -> Scene:
@@ -247,7 +248,7 @@ def _judge_tree(laboratory: Laboratory, variant: str) -> Judgement:
         operations, events = np.diff(run.tallies["operation_counts"][1:], axis=0), np.diff(run.tallies["events"][1:])
         per_event = operations / events[:, None]
         costs.append(per_event[:, 0].mean())
-        errors.append(per_event[:, 0].std(ddof=1) / np.sqrt(batches))
+        errors.append(float(standard_error(per_event[:, 0])))
         other.append(per_event[:, 1:3].mean(axis=0))
         times.append(run.cost.cpu / run.cost.events)
     fits = model_comparison(SIZES, costs, errors)
@@ -300,7 +301,7 @@ def _judge_calendar(laboratory: Laboratory, variant: str) -> Judgement:
         comparisons, events = run.tallies["operation_counts"][:, 0], run.tallies["events"]
         costs.append(float(comparisons[-1] / events[-1]))
         later = np.diff(comparisons[1:]) / np.diff(events[1:])  # of equilibrium: the start scatters in no known way
-        errors.append(float(later.std(ddof=1) / np.sqrt(batches - 1)))
+        errors.append(float(standard_error(later)))
     n = np.array(sizes, dtype=float)
     slope, covariance = np.polyfit(np.log2(n), costs, 1, w=1 / np.array(errors), cov="unscaled")
     return bounded(
@@ -333,7 +334,7 @@ def _judge_naive(laboratory: Laboratory, variant: str) -> Judgement:
             run = laboratory.run(scene.changed(output=output), _NAIVE)
             taken.append(run.cost.cpu / run.cost.events)
         times.append(float(np.median(taken)))
-        errors.append(float(np.std(taken, ddof=1) / np.sqrt(len(taken))) + 0.01 * times[-1])
+        errors.append(float(standard_error(taken)) + 0.01 * times[-1])
     fits = model_comparison(sizes, times, errors, laws=("constant", "log N", "N", "N^2"))
     best = min((name for name in fits if name != "N^2"), key=lambda name: fits[name].bic)
     slope, covariance = np.polyfit(np.log(sizes[1:]), np.log(times[1:]), 1, cov="unscaled")
@@ -368,9 +369,8 @@ def _overlap(scene: Scene, positions: Floats) -> float:
     lengths, sizes = scene.lengths(), scene.diameters()
     assert lengths is not None
     assert sizes is not None
-    periods = np.where(np.array(scene.boundaries) == "periodic", lengths, 0.0)  # 0: an axis that does not wrap
-    x = _wrapped(scene, positions)
-    x = np.where((periods > 0) & (x >= periods), 0.0, x)  # where the remainder was rounded up
+    periods = _periods(scene)
+    x = wrapped(positions, periods)
     pairs = cKDTree(x, boxsize=periods).query_pairs(float(sizes.max()), output_type="ndarray")
     if not len(pairs):
         return 0.0

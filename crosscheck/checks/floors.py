@@ -31,6 +31,7 @@ from crosscheck.scene import (
     Scene,
     explicit,
 )
+from crosscheck.statistics import standard_error
 from crosscheck.verdict import Box as Frame
 from crosscheck.verdict import Figure, Judgement, Series, Snapshot, bounded, round_off, statistical, within
 
@@ -289,7 +290,7 @@ def _judge_random(laboratory: Laboratory, variant: str) -> Judgement:
     return statistical(
         "mean energy gained in a visit to the wall",
         float(gains.mean()),
-        float(gains.std(ddof=1) / GRAINS**0.5),
+        float(standard_error(gains)),
         expected,
         error,
         f"standard error over {GRAINS} independent grains",

@@ -34,6 +34,7 @@ from crosscheck.scene import (
     Scene,
     explicit,
 )
+from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Figure, Judgement, Series, bounded, round_off, statistical, within
 
 Floats = NDArray[np.float64]
@@ -156,10 +157,6 @@ def _cool(
     )
 
 
-def _mean(values: Floats) -> tuple[float, float]:
-    return float(values.mean()), float(values.std(ddof=1) / values.size**0.5)
-
-
 def _cumulant(alpha: float, dimension: int) -> Estimate:
     """Simulated where it is known, else linear theory, which is off by up to 0.007 there."""
     known = reference.FOURTH_CUMULANTS.get((dimension, alpha))
@@ -178,7 +175,7 @@ def _judge_haff(laboratory: Laboratory, variant: str) -> Judgement:
     zeta = reference.cooling_rate(alpha, dimension, rate.value, a2.value)
     shape = 3 / 16 * a2.uncertainty
     why = f"standard error over {STARTS} gases; expected: a_2, g at contact, fluctuations and vortices of order 1/N"
-    loss_mean, rate_mean = _mean(gas.losses()), _mean(gas.rates())
+    loss_mean, rate_mean = independent_mean(gas.losses()), independent_mean(gas.rates())
     by_count = statistical(
         "loss of ln T per collision of a particle",
         *loss_mean, per_collision, per_collision * float(np.hypot(4 / 3 * shape, few)), why,
@@ -201,7 +198,7 @@ def _haff_figures(gas: _Cooling, label: str, rate: float, zeta: float, loss: flo
     first = gas.temperatures[:, :1]
     x = (rate * first**0.5 * (gas.times - gas.times[:, :1])).mean(axis=0)
     ratio = gas.temperatures / first
-    y, error = ratio.mean(axis=0), ratio.std(axis=0, ddof=1) / STARTS**0.5
+    y, error = ratio.mean(axis=0), standard_error(ratio)
     fine = np.geomspace(x[1] / 20, x[-1], 60)
     s = gas.collisions - gas.collisions[0]
     return (
@@ -246,28 +243,23 @@ def _judge_rough(laboratory: Laboratory, variant: str) -> Judgement:
     figure = Figure(
         "rotational over translational temperature", "collisions of a particle", "T_rot/T_tr", "linear", "linear",
         (
-            Series(variant, x.tolist(), measured.mean(axis=0).tolist(), _mean_error(measured)),
+            Series(variant, x.tolist(), measured.mean(axis=0).tolist(), standard_error(measured).tolist()),
             Series(f"{variant}, Boltzmann equation", [x[0], x[-1]], [ratio.value] * 2, theory=True),
         ),
     )  # fmt: skip
     settles = statistical(
         "T_rot/T_tr of the homogeneous cooling state",
-        *_mean(measured.mean(axis=1)), ratio.value, float(np.hypot(ratio.uncertainty, ratio.value * few)),
+        *independent_mean(measured.mean(axis=1)), ratio.value, float(np.hypot(ratio.uncertainty, ratio.value * few)),
         f"{why}; expected: direct simulation of the Boltzmann equation, and terms of order 1/N",
         samples=STARTS, needed=0.06, figures=(figure,),
     )  # fmt: skip
     decays = statistical(
         "loss of ln T per collision of a particle",
-        *_mean(gas.losses()), losses[0], abs(losses[1] - losses[0]) + losses[0] * few,
+        *independent_mean(gas.losses()), losses[0], abs(losses[1] - losses[0]) + losses[0] * few,
         f"{why}; expected: Maxwellian rates at the simulated ratio, uncertain by what the closure's own ratio changes",
         samples=STARTS, needed=0.25,
     )  # fmt: skip
     return worst([settles, decays], f"N = {gas.number}; the Maxwellian closure has T_rot/T_tr = {closure:.4f}")
-
-
-def _mean_error(values: Floats) -> list[float]:
-    error: list[float] = (values.std(axis=0, ddof=1) / len(values) ** 0.5).tolist()
-    return error
 
 
 # -- oblique impacts ---------------------------------------------------------------------------------------------------

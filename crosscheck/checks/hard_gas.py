@@ -16,7 +16,7 @@ from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
 from crosscheck.references import hard_spheres as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, explicit
-from crosscheck.statistics import Mean, correlated_mean
+from crosscheck.statistics import Mean, correlated_mean, standard_error
 from crosscheck.verdict import FALSE_ALARM, Figure, Judgement, Series, bounded, round_off, statistical
 
 METHOD = Method(scheme="event_driven")
@@ -104,7 +104,7 @@ def _judge_speeds(laboratory: Laboratory, variant: str) -> Judgement:
         speeds[one] = np.linalg.norm(run.velocities[1:], axis=2)
     squares = speeds**2
     ratios = (squares**2).mean(axis=2) / squares.mean(axis=2) ** 2
-    means, errors = ratios.mean(axis=0), ratios.std(axis=0, ddof=1) / runs**0.5
+    means, errors = ratios.mean(axis=0), standard_error(ratios)
     # what a finite number at constant energy lacks in equilibrium: as much at most before
     few = reference.moment_ratio(d) - reference.moment_ratio(d, d * number)
     judgements = []

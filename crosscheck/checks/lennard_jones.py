@@ -11,7 +11,7 @@ from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
 from crosscheck.references import lennard_jones as reference
 from crosscheck.scene import Box, Floats, Lattice, LennardJones, Method, Observable, Output, Scene, Wall, explicit
-from crosscheck.statistics import correlated_mean, fitted_order
+from crosscheck.statistics import correlated_mean, fitted_order, standard_error
 from crosscheck.verdict import Figure, Judgement, Series, bounded, order, round_off, statistical
 
 OBSERVABLES: tuple[Observable, ...] = ("kinetic_energy", "potential_energy", "virial")
@@ -199,7 +199,7 @@ def _judge_growth(laboratory: Laboratory, variant: str) -> Judgement:
             shown = slice(1, None, 3)
             for label, values in ((f"{laboratory.engine} and {other}", apart), ("disturbed by 1e-13", twin)):
                 curves.append(Series(label, run.time[shown].tolist(), values[shown].tolist()))
-    means, errors = rates.mean(axis=1), rates.std(axis=1, ddof=1) / STARTS**0.5
+    means, errors = rates.mean(axis=1), standard_error(rates.T)
     rate = statistical(
         f"growth rate of the separation from {other}",
         float(means[0]),

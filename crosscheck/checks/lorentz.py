@@ -13,9 +13,11 @@ from crosscheck.checks.base import Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
+from crosscheck.overlaps import wrapped
 from crosscheck.references import EPSILON
 from crosscheck.references import hard_spheres as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Method, Output, Scene, explicit
+from crosscheck.statistics import standard_error
 from crosscheck.verdict import Figure, Judgement, Series, bounded, round_off, statistical
 
 _METHOD = Method(scheme="event_driven")
@@ -55,11 +57,6 @@ def _tree(places: Floats, length: float) -> Any:
     from scipy.spatial import cKDTree
 
     return cKDTree(places, boxsize=np.full(places.shape[1], length))
-
-
-def _wrapped(places: Floats, length: float) -> Floats:
-    inside = places % length
-    return np.where(inside < length, inside, 0.0)
 
 
 def _apart_from(centres: Floats, trial: Floats, length: float, distance: float) -> Floats:
@@ -121,7 +118,8 @@ def _measure(gas: Arrangement, scene: Scene, run: Run, interval: float) -> _Meas
         squares.append(float((moved**2).sum(axis=2).mean()))
     diffusion = (squares[1] - squares[0]) / (2 * scene.dimension * (LATE - EARLY) / EVERY * interval)
     speed_error = float(abs(np.linalg.norm(run.final_velocities[points], axis=1) - 1).max())
-    nearest, _ = _tree(gas.centres, gas.length).query(_wrapped(run.final_positions[points], gas.length))
+    ends = wrapped(run.final_positions[points], np.full(scene.dimension, gas.length))
+    nearest, _ = _tree(gas.centres, gas.length).query(ends)
     depth = max(1.0 - float(nearest.min()), 0.0)
     return _Measured(len(gas.places) * scene.duration / collisions, diffusion, speed_error, depth, collisions)
 
@@ -140,7 +138,7 @@ def _judge_points(laboratory: Laboratory, variant: str) -> Judgement:
         scene = lorentz_gas(gas, dimension, PATHS * path, interval)
         found.append(_measure(gas, scene, laboratory.run(scene, _METHOD), interval))
     each = np.array(found)
-    mean, error = each.mean(axis=0), each.std(axis=0, ddof=1) / ARRANGEMENTS**0.5
+    mean, error = each.mean(axis=0), standard_error(each)
     # reflections of one point: those of all, and a wide margin for the luckiest
     most = 4 * float(each[:, 4].max()) / POINTS[dimension]
     speed = round_off(

@@ -13,6 +13,7 @@ from crosscheck.checks.base import Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
+from crosscheck.overlaps import wrapped
 from crosscheck.references import EPSILON
 from crosscheck.references import square_well as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, Well, explicit
@@ -49,8 +50,8 @@ def _pairs_inside(positions: Floats, length: float) -> int:
     """Pairs closer than the range of the well, nearest images; positions (N, d)."""
     from scipy.spatial import cKDTree
 
-    wrapped = positions % length
-    tree = cKDTree(np.where(wrapped < length, wrapped, 0.0), boxsize=np.full(positions.shape[1], length))
+    lengths = np.full(positions.shape[1], length)
+    tree = cKDTree(wrapped(positions, lengths), boxsize=lengths)
     return len(tree.query_pairs(WIDTH, output_type="ndarray"))
 
 

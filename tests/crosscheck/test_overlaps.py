@@ -9,7 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.overlaps import Overlap, find_overlap
+from crosscheck.overlaps import Overlap, find_overlap, wrapped
+
+
+def test_wrapped_into_the_box_and_never_on_its_far_side() -> None:
+    given = np.array([[-1e-30, -1e-30], [7.5, 7.5], [-0.5, -0.5], [3.0, 3.0]])
+    kept = given.copy()
+    np.testing.assert_array_equal(wrapped(given, np.array([3.0, 0.0])), [[0, -1e-30], [1.5, 7.5], [2.5, -0.5], [0, 3]])
+    np.testing.assert_array_equal(given, kept)
 
 
 def all_pairs(positions: Any, diameters: Any, fixed: Any, periods: Any) -> Any:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from crosscheck.statistics import correlated_mean, fitted_order
+from crosscheck.statistics import correlated_mean, fitted_order, independent_mean, standard_error
 
 
 def autoregressive(rho: float, count: int, length: int, seed: int) -> np.ndarray:
@@ -41,6 +41,12 @@ def test_white_noise_has_the_textbook_error() -> None:
     assert mean.value == x.mean()
     assert mean.error == pytest.approx(2 / 100_000**0.5, rel=0.05)
     assert mean.independent == pytest.approx(100_000, rel=0.05)
+
+
+def test_independent_values_have_the_error_of_the_textbook() -> None:
+    assert independent_mean([1.0, 2.0, 6.0]) == pytest.approx((3.0, (7 / 3) ** 0.5), rel=1e-15)
+    rows = np.array([[1.0, 5.0], [2.0, 5.0], [6.0, 5.0]])
+    np.testing.assert_allclose(standard_error(rows), [(7 / 3) ** 0.5, 0.0], rtol=1e-15)
 
 
 @pytest.mark.parametrize("value", [0.0, 1.0, 0.1, -1e300, 1e-300])
