@@ -80,5 +80,5 @@ def fixed(*names: str) -> Variants:
 def schemes_with(accept: Callable[[str, Claims], bool] = lambda name, claims: True) -> Variants:
     """One variant per scheme of the engine that takes time steps and that `accept` accepts."""
     return lambda engine, schemes: tuple(
-        name for name, claims in schemes.items() if not claims.events and accept(name, claims)
+        name for name, claims in schemes.items() if claims.stepping and accept(name, claims)
     )

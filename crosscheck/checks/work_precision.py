@@ -287,7 +287,7 @@ def _figures(
 def _variants(full: bool) -> Variants:
     """All schemes on one figure in the full tier; in the quick one, those of `QUICK` and of other engines."""
     return lambda engine, schemes: tuple(
-        name for name, claims in schemes.items() if not claims.events and (full or engine != "refimpl" or name in QUICK)
+        name for name, claims in schemes.items() if claims.stepping and (full or engine != "refimpl" or name in QUICK)
     )
 
 

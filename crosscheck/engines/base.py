@@ -16,7 +16,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from crosscheck.scene import AXES, TALLIES, Floats, Method, Scene
+from crosscheck.scene import AXES, GAS_TALLIES, TALLIES, Floats, Method, Scene
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Claims:
     order, order_damped: global orders of the error (position, velocity) for f(r) and for f(r, v); None: no fixed order
     (adaptive), or velocity-dependent forces not supported. symplectic, reversible: of the map from the initial to the
     final (r, v); None: nothing is claimed, and nothing is checked. events: the scheme goes from event to event and has
-    no time step; the checks of the others pass it by.
+    no time step. lattice: the scheme moves a lattice gas, by whole steps of 1. The checks of the others pass both by.
     """
 
     order: tuple[int, int] | None
@@ -34,6 +34,12 @@ class Claims:
     symplectic: bool | None = None
     reversible: bool | None = None
     events: bool = False
+    lattice: bool = False
+
+    @property
+    def stepping(self) -> bool:
+        """The scheme takes time steps dt."""
+        return not (self.events or self.lattice)
 
 
 @dataclass
@@ -66,6 +72,8 @@ class Run:
     nothing rotates. tallies: the observables of `scene.TALLIES` by name, shapes as `tally_shapes` has them, and the
     arrays "field_*" of `output.fields`. stopped: why the run ended before its time (inelastic collapse), or "";
     samples after that are NaN, and the final state is that of the moment.
+
+    Of lattice gases, N = 0 and tallies alone: see `gas_tally_shapes`.
     """
 
     time: Floats
@@ -154,6 +162,8 @@ def tally_shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
     largest (s - r)/s of a pair at its collision so far, s its contact distance. operation_counts: the columns of
     `OPERATIONS`. fields: "field_mass", over the grid, stands for them all.
     """
+    if scene.lattice_gas is not None:
+        return gas_tally_shapes(scene, samples)
     faces = len(face_names(scene))
     wide: dict[str, tuple[int, ...]] = {
         "wall_impulse": (faces, scene.dimension),
@@ -168,3 +178,24 @@ def tally_shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
     if scene.output.fields is not None:
         shapes["field_mass"] = scene.output.fields
     return shapes
+
+
+def gas_tally_shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of what a lattice gas is asked for.
+
+    populations: particles of each channel in each block of `output.fields` (one block by default), (samples, blocks
+    along x, along y, b); whole numbers, but means if the scheme moves mean occupations. force_impulse: momentum along x
+    given by the force to each row, since the start. h_function: sum of f ln f + (1 - f) ln(1 - f) over all channels.
+    sites: states of the sites at the end, (rows, columns).
+    """
+    from crosscheck.scene.sites import gas_model
+
+    gas, blocks = scene.lattice_gas, scene.output.fields or (1, 1)
+    assert gas is not None
+    shapes: dict[str, tuple[int, ...]] = {
+        "populations": (samples, *blocks, gas_model(scene).channels),
+        "force_impulse": (samples, gas.rows),
+        "h_function": (samples,),
+        "sites": (gas.rows, gas.columns),
+    }
+    return {name: shapes[name] for name in GAS_TALLIES if name in scene.output.observables}

@@ -21,6 +21,13 @@ SCHEDULERS = {
     "event_driven_calendar": "calendar",
     NAIVE: "naive",
 }
+#: Schemes of lattice gases, and the class of `refimpl.lattice` that moves them.
+EVOLVERS = {
+    "lattice_planes": "bitplanes.PlaneGas",
+    "lattice_lookup": "lookup.LookupGas",
+    "lattice_numpy": "plain.PlainGas",
+    "lattice_boltzmann": "boltzmann.BoltzmannLattice",
+}
 #: What can be told from the states of the naive algorithm.
 _PLAIN = ("kinetic_energy", "potential_energy", "rotational_energy", "collisions", "events")
 
@@ -30,6 +37,7 @@ class RefimplEngine:
     schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()} | {
         name: Claims(None, events=True) for name in SCHEDULERS
     }
+    schemes |= {name: Claims(None, lattice=True) for name in EVOLVERS}
 
     def version(self) -> str:
         import numba
@@ -41,6 +49,12 @@ class RefimplEngine:
     def supports(self, scene: Scene, method: Method) -> str | None:
         if method.scheme not in self.schemes:
             return f"no scheme '{method.scheme}'"
+        if (scene.lattice_gas is not None) != (method.scheme in EVOLVERS):
+            return f"lattice gases, and only they, are moved by {_names(EVOLVERS)}; found '{method.scheme}'"
+        if scene.lattice_gas is not None:
+            from crosscheck.engines.refimpl_lattice import unsupported
+
+            return unsupported(scene, method.scheme)
         if scene.hard_spheres is not None and method.scheme not in SCHEDULERS:
             return f"'{method.scheme}' takes time steps, hard spheres need an event-driven scheme: {_names(SCHEDULERS)}"
         if scene.hard_spheres is None and method.scheme in SCHEDULERS:
@@ -54,6 +68,10 @@ class RefimplEngine:
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
+        if scene.lattice_gas is not None:
+            from crosscheck.engines.refimpl_lattice import run_lattice
+
+            return run_lattice(scene, method.scheme, EVOLVERS[method.scheme])
         if scene.hard_spheres is not None:
             from crosscheck.engines.refimpl_events import run_events
 

@@ -21,7 +21,7 @@ import numpy as np
 from crosscheck.engines.base import TALLY, Claims, Engine, Run, sample_times, tally_shapes
 from crosscheck.engines.registry import load_engine
 from crosscheck.errors import UsageError
-from crosscheck.scene import TALLIES, Method, Scene
+from crosscheck.scene import GAS_TALLIES, TALLIES, Method, Scene
 
 
 def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
@@ -46,11 +46,12 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check_step(claims: Claims | None, method: Method) -> None:
-    """UsageError if a scheme that takes time steps has none, or one that goes from event to event has one."""
-    if claims is None or not claims.events:
+    """UsageError if a scheme that takes time steps has none, or one that does not take them has one."""
+    if claims is None or claims.stepping:
         _ = method.step
     elif method.dt is not None:
-        raise UsageError(f"method.dt = {method.dt:g}: scheme '{method.scheme}' goes from event to event: remove dt")
+        how = "takes whole steps of 1" if claims.lattice else "goes from event to event"
+        raise UsageError(f"method.dt = {method.dt:g}: scheme '{method.scheme}' {how}: remove dt")
 
 
 def _check(run: Run, scene: Scene, method: Method) -> None:
@@ -68,7 +69,7 @@ def _check(run: Run, scene: Scene, method: Method) -> None:
             wanted["angular_velocities"] = (samples, *spin)
     if scene.output.forces:
         wanted["forces"] = shape
-    wanted |= {name: (samples,) for name in scene.output.observables if name not in TALLIES}
+    wanted |= {name: (samples,) for name in scene.output.observables if name not in (*TALLIES, *GAS_TALLIES)}
     found = {name: getattr(run, name) for name in wanted}
     tallies = tally_shapes(scene, samples)
     for name, expected_shape in (wanted | tallies).items():

@@ -2,6 +2,7 @@
 
 from crosscheck.scene.parts import (
     AXES,
+    GAS_TALLIES,
     TALLIES,
     Box,
     Cylinder,
@@ -15,15 +16,19 @@ from crosscheck.scene.parts import (
     HardSpheres,
     Kepler,
     Lattice,
+    LatticeGas,
     LennardJones,
     Method,
     Observable,
+    Obstacle,
+    Occupations,
     Oscillation,
     Output,
     RandomPhase,
     Spring,
     Vector,
     Wall,
+    Wave,
     Well,
 )
 from crosscheck.scene.scene import Scene, State, whole_steps
@@ -31,6 +36,7 @@ from crosscheck.scene.start import explicit
 
 __all__ = [
     "AXES",
+    "GAS_TALLIES",
     "TALLIES",
     "Box",
     "Cylinder",
@@ -44,9 +50,12 @@ __all__ = [
     "HardSpheres",
     "Kepler",
     "Lattice",
+    "LatticeGas",
     "LennardJones",
     "Method",
     "Observable",
+    "Obstacle",
+    "Occupations",
     "Oscillation",
     "Output",
     "RandomPhase",
@@ -55,6 +64,7 @@ __all__ = [
     "State",
     "Vector",
     "Wall",
+    "Wave",
     "Well",
     "explicit",
     "whole_steps",

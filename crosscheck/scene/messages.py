@@ -18,14 +18,18 @@ from crosscheck.scene.parts import (
     HardSpheres,
     Kepler,
     Lattice,
+    LatticeGas,
     LennardJones,
     Method,
+    Obstacle,
+    Occupations,
     Oscillation,
     Output,
     Part,
     RandomPhase,
     Spring,
     Wall,
+    Wave,
     Well,
 )
 
@@ -43,10 +47,19 @@ _PARTS: dict[str, type[Part]] = {
     "random_phase": RandomPhase,
     "oscillation": Oscillation,
     "cylinder": Cylinder,
+    "lattice_gas": LatticeGas,
+    "obstacles": Obstacle,
+    "waves": Wave,
     "output": Output,
     "method": Method,
 }
-_KINDS: dict[str, type[Part]] = {"explicit": Explicit, "lattice": Lattice, "kepler": Kepler, "file": File}
+_KINDS: dict[str, type[Part]] = {
+    "explicit": Explicit,
+    "lattice": Lattice,
+    "kepler": Kepler,
+    "file": File,
+    "occupations": Occupations,
+}
 #: How pydantic names the forms of "one value, or one per particle" in the place of an error.
 _FORMS = ("constrained-float", "tuple[constrained-float, ...]")
 

@@ -212,6 +212,93 @@ class LennardJones(Part):
     tail_corrections: bool = False
 
 
+#: Rules of a wall site of a lattice gas; x and y: of the wall's normal.
+WallRule = Literal["bounce_back", "specular_x", "specular_y", "diffusive_x", "diffusive_y"]
+
+
+class Obstacle(Part):
+    """Wall sites of a lattice gas: a block, a disk, or a list of sites.
+
+    columns, rows: first and last of a block, both; each defaults to all. centre, radius: in links, row r being at
+    height r times the distance of rows. sites: (column, row). rule: no slip, smooth, or diffusive.
+    """
+
+    columns: tuple[Index, Index] | None = None
+    rows: tuple[Index, Index] | None = None
+    centre: tuple[float, float] | None = None
+    radius: Positive | None = None
+    sites: tuple[tuple[Index, Index], ...] | None = None
+    rule: WallRule = "bounce_back"
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if (self.centre is None) != (self.radius is None):
+            raise ValueError("centre and radius go together: give both for a disk, or neither")
+        block = self.columns is not None or self.rows is not None
+        if block + (self.centre is not None) + (self.sites is not None) != 1:
+            raise ValueError("give one of: columns and rows (or one of them), centre and radius, sites")
+        for name in ("columns", "rows"):
+            ends = getattr(self, name)
+            if ends is not None and ends[0] > ends[1]:
+                raise ValueError(f"{name} = {list(ends)}: the first exceeds the last; swap them")
+        return self
+
+
+class LatticeGas(Part):
+    """A lattice gas of this model (see `refimpl.lattice.models`) on rows x columns sites, periodic along both axes.
+
+    Unit of length is the link, of time the step. force: probability in a step that a site's particle in the channel -x
+    goes over to +x, if that is empty; negative: the other way. reversals: steps after which all velocities are
+    reversed, half-way between two steps.
+    """
+
+    model: str
+    columns: Annotated[int, Field(gt=0)]
+    rows: Annotated[int, Field(gt=0)]
+    obstacles: tuple[Obstacle, ...] = ()
+    force: Annotated[float, Field(ge=-1, le=1)] | None = None
+    reversals: tuple[Annotated[int, Field(gt=0)], ...] | None = None
+
+
+class Wave(Part):
+    """amplitude cos(2 pi (mode_x x/L_x + mode_y y/L_y) + phase), added to the density or a velocity component."""
+
+    of: Literal["density", "velocity_x", "velocity_y"]
+    amplitude: float
+    mode: tuple[float, float]
+    phase: float = 0.0
+
+
+class Occupations(Part):
+    """A lattice gas in local equilibrium (Fermi-Dirac), each channel filled at random with its mean occupation.
+
+    density: mean occupation of a channel, d = rho/b; density and velocities: one number, or one per row. channels:
+    instead of them, the mean occupation of each channel. cells: instead of drawing channels one by one, blocks of cells
+    x cells sites get exactly round(d b cells^2) particles, placed at random; x/L and y/L of the waves then count cells,
+    0 for the first and 1 for the last.
+    """
+
+    kind: Literal["occupations"]
+    density: float | tuple[float, ...] | None = None
+    velocity_x: float | tuple[float, ...] = 0.0
+    velocity_y: float | tuple[float, ...] = 0.0
+    channels: tuple[Annotated[float, Field(ge=0, le=1)], ...] | None = None
+    waves: tuple[Wave, ...] = ()
+    cells: Annotated[int, Field(gt=0)] | None = None
+    seed: Index
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if (self.density is None) == (self.channels is None):
+            raise ValueError("give exactly one of density and channels")
+        moving = self.velocity_x != 0 or self.velocity_y != 0
+        if self.channels is not None and (moving or self.waves or self.cells is not None):
+            raise ValueError("channels say it all: remove velocity_x, velocity_y, waves and cells")
+        if self.cells is not None and (moving or any(wave.of != "density" for wave in self.waves)):
+            raise ValueError("cells have a number of particles, no velocity: remove cells, or the velocities")
+        return self
+
+
 class Explicit(Part):
     """Positions, velocities and angular velocities, one row a particle; both velocities default to rest.
 
@@ -263,7 +350,7 @@ class File(Part):
     path: str
 
 
-Initial: TypeAlias = Annotated[Explicit | Lattice | Kepler | File, Field(discriminator="kind")]
+Initial: TypeAlias = Annotated[Explicit | Lattice | Kepler | File | Occupations, Field(discriminator="kind")]
 #: Of hard spheres only, and returned in `Run.tallies`; all but rotational_energy accumulate from the start of the run.
 Tally = Literal[
     "collisions",
@@ -281,7 +368,10 @@ Tally = Literal[
     "rotational_energy",
 ]
 TALLIES: tuple[str, ...] = get_args(Tally)
-Observable = Literal["kinetic_energy", "potential_energy", "virial", Tally]
+#: Of lattice gases only, in `Run.tallies` too. All but sites, the final states, are of each sample.
+GasTally = Literal["populations", "force_impulse", "h_function", "sites"]
+GAS_TALLIES: tuple[str, ...] = get_args(GasTally)
+Observable = Literal["kinetic_energy", "potential_energy", "virial", Tally, GasTally]
 
 
 class Output(Part):
@@ -289,7 +379,7 @@ class Output(Part):
 
     Samples at the start and at every `interval` of time; or, of hard spheres, right after the pair collisions counted
     in `collisions`, at the last of which the run ends. fields: a grid of cells over the box, on which the hydrodynamic
-    fields of hard spheres are measured over the whole run.
+    fields of hard spheres are measured over the whole run; of lattice gases, blocks along x and y, for `populations`.
     """
 
     interval: Positive | None = None

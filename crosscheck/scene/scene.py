@@ -31,15 +31,18 @@ from crosscheck.scene.parts import (
     Initial,
     Kepler,
     Lattice,
+    LatticeGas,
     LennardJones,
     Method,
     NonNegative,
+    Occupations,
     Output,
     Part,
     Positive,
     Spring,
     Vector,
 )
+from crosscheck.scene.sites import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.start import apocentre, lattice_sites, lattice_sites_inside, random_velocities, read_configuration
 from crosscheck.scene.validity import (
     check_hard_spheres,
@@ -69,8 +72,8 @@ class State(NamedTuple):
 class Scene(Part):
     """A scene: dimension, particles, one interaction, box, initial state, duration and output.
 
-    acceleration: a uniform field, of hard spheres. seed: of what walls draw during the run (thermal velocities, random
-    phases); absent: that of the initial lattice.
+    acceleration: a uniform field, of hard spheres. seed: of what is drawn during the run (by walls: thermal velocities,
+    random phases; by the collisions, diffusive walls and force of a lattice gas); absent: that of the initial state.
     """
 
     name: str
@@ -84,6 +87,7 @@ class Scene(Part):
     lennard_jones: LennardJones | None = None
     gravity: Gravity | None = None
     hard_spheres: HardSpheres | None = None
+    lattice_gas: LatticeGas | None = None
     box: Box | None = None
     initial: Initial
     output: Output = Output()
@@ -91,7 +95,7 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
-        interactions = ("spring", "lennard_jones", "gravity", "hard_spheres")
+        interactions = ("spring", "lennard_jones", "gravity", "hard_spheres", "lattice_gas")
         given = [name for name in interactions if getattr(self, name) is not None]
         if len(given) != 1:
             found = " and ".join(given) or "none"
@@ -114,9 +118,12 @@ class Scene(Part):
             check_rows(self.initial, self.dimension)
         if isinstance(self.initial, Lattice) and self.box is None:
             raise ValueError("initial.kind = 'lattice' fills a box: add [box]")
-        recorded = self.output.observables or self.output.trajectory
+        recorded = set(self.output.observables) - {"sites"} or self.output.trajectory
         if self.output.interval is None and self.output.collisions is None and recorded:
             raise ValueError("output.interval is missing: say how often to record")
+        check_lattice_gas(self)
+        if self.lattice_gas is not None:
+            return self
         if self.hard_spheres is None:
             refuse_hard_spheres_entries(self)
         else:
@@ -163,7 +170,9 @@ class Scene(Part):
 
     @property
     def number(self) -> int:
-        """Number of particles."""
+        """Number of particles; 0 of a lattice gas, whose particles are not told apart."""
+        if isinstance(self.initial, Occupations):
+            return 0
         if isinstance(self.initial, Explicit):
             return len(self.initial.positions)
         if isinstance(self.initial, Lattice):
@@ -278,8 +287,20 @@ class Scene(Part):
             raise UsageError("output.interval is shorter than method.dt: record less often or take a smaller dt")
         return every
 
+    def initial_sites(self) -> NDArray[np.uint8]:
+        """States of the sites of a lattice gas, (rows, columns): bit i says that channel i is occupied."""
+        return initial_sites(self)
+
+    def initial_occupations(self) -> Floats:
+        """Mean occupations of the channels of a lattice gas, (rows, columns, b)."""
+        return initial_occupations(self)
+
+    def wall_rules(self) -> NDArray[np.uint8] | None:
+        """Rules of a lattice gas's wall sites, (rows, columns), as in `refimpl.lattice.gas`; None: no walls."""
+        return wall_rules(self)
+
     def initial_state(self) -> State:
-        """The initial state, the same for every engine.
+        """The initial state of particles, the same for every engine.
 
         UsageError if counts disagree, if particles coincide or, of hard spheres, overlap or are not inside their walls.
         """

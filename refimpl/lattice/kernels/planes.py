@@ -1,0 +1,191 @@
+"""One step, or many, of a lattice gas on bit planes: propagation, force, collision and walls in one pass.
+
+A plane a channel; a row of a plane is PAD words, the row's words padded to whole wide words, and PAD words again. Bit
+x mod 64 of word x // 64 of a row is the site in column x. The bit before a row's first and the one behind its last hold
+the periodic images of the other end; further bits of the padding hold nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numba.extending import overload, register_jitable
+
+from refimpl.lattice.kernels.words import (
+    WIDTH,
+    arrivals,
+    chosen,
+    collided,
+    lanes,
+    load,
+    population,
+    pushed,
+    reflected,
+    some,
+    splat,
+    store,
+)
+from refimpl.lattice.logic import draws, program
+from refimpl.lattice.randomness import COLLISION, DIGITS, FORCING, ROW, WALLS, random_word, row_key
+
+#: Words before and after the words of a row.
+PAD = WIDTH
+_ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
+_NONE = np.uint64(0)
+
+
+@register_jitable
+def _word(key, draw, place):  # type: ignore[no-untyped-def]
+    """Random wide word: draw `draw` of the words place, place + 1, ... of a row."""
+    return random_word(key, lanes() + np.uint64(draw * ROW + place))
+
+
+def _collide(model, occupied, key, place):  # type: ignore[no-untyped-def]
+    """Collision of WIDTH words at `place` of a row; compiled to what the model's table needs."""
+
+
+@overload(_collide, jit_options={"forceinline": True, "error_model": "numpy"})
+def _collide_compiled(model, occupied, key, place):  # type: ignore[no-untyped-def]
+    number = draws(model.outcomes)
+    if number == 0:
+        return lambda model, occupied, key, place: collided(model, occupied, ())[0]
+    if number == 1:
+        return lambda model, occupied, key, place: collided(model, occupied, (_word(key, 0, place),))[0]
+    if number != 2:
+        raise ValueError(f"a state has too many outcomes for two random bits: {number} are needed")
+    if program(model.outcomes).rejected is None:
+        return lambda model, occupied, key, place: collided(
+            model, occupied, (_word(key, 0, place), _word(key, 1, place))
+        )[0]
+
+    def with_rejection(model, occupied, key, place):  # type: ignore[no-untyped-def]
+        bits = (_word(key, 0, place), _word(key, 1, place))
+        after, again = collided(model, occupied, bits)
+        draw = 2
+        while some(again):
+            bits = chosen(again, (_word(key, draw, place), _word(key, draw + 1, place)), bits)
+            after, again = collided(model, occupied, bits)
+            draw += 2
+        return after
+
+    return with_rejection
+
+
+@register_jitable
+def _bernoulli(key, threshold, place):  # type: ignore[no-untyped-def]
+    """Bits set with probability threshold/2^DIGITS: U < threshold, digit by digit from the last one."""
+    below = splat(_NONE)
+    for digit in range(DIGITS):
+        word = _word(key, digit, place)
+        below = (below & ~word) | ((below ^ ~word) & splat(_ALL if threshold >> digit & 1 else _NONE))
+    return below
+
+
+@register_jitable
+def _seal(planes, channels, base, size, columns):  # type: ignore[no-untyped-def]
+    """Periodic images at both ends of a row."""
+    end, bit = base + columns // 64, np.uint64(columns % 64)
+    last = columns - 1
+    for channel in range(channels):
+        shift = channel * size
+        first = planes[shift + base] & np.uint64(1)
+        planes[shift + end] = (planes[shift + end] & ~(np.uint64(1) << bit)) | (first << bit)
+        tail = planes[shift + base + last // 64] >> np.uint64(last % 64)
+        planes[shift + base - 1] = tail << np.uint64(63)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def seal(planes, shape):  # type: ignore[no-untyped-def]
+    """Periodic images at the ends of all rows."""
+    rows, columns, _, stride, size = shape
+    for row in range(rows):
+        _seal(planes, len(planes) // size, row * stride + PAD, size, columns)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def advance(  # type: ignore[no-untyped-def]
+    model, source, target, walls, wall_draws, force, inside, moved, shape, first, last, seed, step, steps
+):
+    """Rows first ... last - 1 by `steps` steps from `step` on; more than one step only for all rows.
+
+    source, target: planes; the last state is in `target` after an odd number of steps, in `source` after an even one.
+    walls: None or planes (reverse x, reverse y); wall_draws: None or planes of the sites that reverse x, y with
+    probability 1/2. force: None or (threshold, sign); inside: the words of a row with the bits of its columns set;
+    moved: None or (rows,), to which the numbers of particles pushed are added. shape: rows, columns, words of a row,
+    stride of the rows, size of a plane.
+    """
+    rows, columns, words, stride, size = shape
+    channels = len(source) // size
+    for now in range(step, step + steps):
+        for row in range(first, last):
+            below = ((row - 1) % rows) * stride + PAD
+            here = row * stride + PAD
+            above = ((row + 1) % rows) * stride + PAD
+            key = row_key(seed, COLLISION, np.uint64(now), np.uint64(row))
+            if force is not None:
+                force_key = row_key(seed, FORCING, np.uint64(now), np.uint64(row))
+                count = 0
+            if wall_draws is not None:
+                wall_key = row_key(seed, WALLS, np.uint64(now), np.uint64(row))
+            for k in range(0, words, WIDTH):
+                if row % 2 == 0:
+                    found = arrivals(model, 0, source, below + k, here + k, above + k, size)
+                else:
+                    found = arrivals(model, 1, source, below + k, here + k, above + k, size)
+                if walls is not None:
+                    flip_x, flip_y = load(walls[0], here + k), load(walls[1], here + k)
+                    solid = flip_x | flip_y
+                    if wall_draws is not None:
+                        coin = _word(wall_key, 0, k)
+                        draw_x, draw_y = load(wall_draws[0], here + k), load(wall_draws[1], here + k)
+                        solid = solid | draw_x | draw_y
+                        flip_x, flip_y = flip_x | (draw_x & coin), flip_y | (draw_y & coin)
+                    bounced = reflected(model, found, flip_x, flip_y)
+                if force is not None:
+                    threshold, sign = force
+                    where = _bernoulli(force_key, threshold, k) & load(inside, k)
+                    if walls is not None:
+                        where = where & ~solid
+                    along = splat(_ALL if sign > 0 else _NONE)
+                    found, went = pushed(model, found, where & along, where & ~along)
+                    count += population(went)
+                found = _collide(model, found, key, k)
+                if walls is not None:
+                    found = chosen(solid, bounced, found)
+                store(found, target, here + k, size)
+            if force is not None:
+                moved[row] += count
+            _seal(target, channels, here, size, columns)
+        source, target = target, source
+
+
+@register_jitable
+def _ones(word):  # type: ignore[no-untyped-def]
+    """Bits set in a word of 64."""
+    word = word - ((word >> np.uint64(1)) & np.uint64(0x5555555555555555))
+    word = (word & np.uint64(0x3333333333333333)) + ((word >> np.uint64(2)) & np.uint64(0x3333333333333333))
+    word = (word + (word >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
+    return np.int64((word * np.uint64(0x0101010101010101)) >> np.uint64(56))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def populations(planes, counts, shape):  # type: ignore[no-untyped-def]
+    """Particles of each block and channel, added to counts (blocks in y, blocks in x, b): equal blocks."""
+    rows, columns, _, stride, size = shape
+    down, across, channels = counts.shape
+    tall, wide = rows // down, columns // across
+    for channel in range(channels):
+        for row in range(rows):
+            base = channel * size + row * stride + PAD
+            for block in range(across):
+                start, end = block * wide, (block + 1) * wide
+                first, last = start // 64, (end - 1) // 64
+                total = 0
+                for k in range(first, last + 1):
+                    word = planes[base + k]
+                    if k == first:
+                        word = (word >> np.uint64(start % 64)) << np.uint64(start % 64)
+                    if k == last:
+                        word = word << np.uint64(63 - (end - 1) % 64)
+                    total += _ones(word)
+                counts[row // tall, block, channel] += total

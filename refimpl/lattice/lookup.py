@@ -1,0 +1,123 @@
+"""A lattice gas of bytes: each site looks its collision up in a table. The executable specification, compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from refimpl.lattice.gas import LatticeGas, reflections
+from refimpl.lattice.logic import draws
+from refimpl.lattice.randomness import COLLISION, DIGITS, FORCING, ROW, WALLS, random_word, row_key
+
+
+class LookupGas(LatticeGas):
+    """A byte a site, pulled from the neighbours and looked up."""
+
+    def __init__(self, model, sites, **more) -> None:  # type: ignore[no-untyped-def]
+        super().__init__(model, sites, **more)
+        self._sites = np.array(sites)
+        self._spare = np.empty_like(self._sites)
+        most = max(len(found) for found in model.outcomes)
+        self._outcomes = np.array([(*found, *(0,) * (most - len(found))) for found in model.outcomes], dtype=np.uint8)
+        self._numbers = np.array([len(found) for found in model.outcomes])
+        self._draws = draws(model.outcomes)
+        self._mirrors = reflections(model)
+        v = model.velocities
+        #: of even and odd rows: bit, row below (1), here (0) or above (-1), column shift
+        self._moves = np.array(
+            [[(1 << i, b, v.column_shift(i, odd)) for i, (_, b) in enumerate(v.integers)] for odd in (0, 1)]
+        )
+
+    @property
+    def sites(self) -> np.ndarray:
+        return self._sites
+
+    def _set(self, sites: np.ndarray) -> None:
+        self._sites = np.array(sites)
+
+    def advance(self, steps: int) -> None:
+        force = None
+        if self.forcing is not None:
+            channel = self.forcing.channel
+            force = (self.forcing.threshold, channel, self.model.velocities.image(-1, 1)[channel])
+        table = (self._outcomes, self._numbers, self._draws)
+        for _ in range(steps):
+            _step(
+                self._sites,
+                self._spare,
+                self._moves,
+                table,
+                self._mirrors,
+                self.walls,
+                force,
+                self.impulses,
+                np.uint64(self.seed),
+                self.time,
+            )
+            self._sites, self._spare = self._spare, self._sites
+            self.time += 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time):  # type: ignore[no-untyped-def]
+    rows, columns = sites.shape
+    outcomes, numbers, number_of_draws = table
+    for y in range(rows):
+        key = row_key(seed, COLLISION, np.uint64(time), np.uint64(y))
+        for x in range(columns):
+            state = 0
+            for bit, down, shift in moves[y % 2]:
+                state |= sites[(y - down) % rows, (x - shift) % columns] & bit
+            if walls is not None and walls[y, x] > 0:
+                target[y, x] = _reflected(state, walls[y, x], mirrors, seed, time, y, x)
+                continue
+            if force is not None:
+                threshold, channel, back = force
+                if state >> back & 1 and not state >> channel & 1 and _uniform(seed, time, y, x) < threshold:
+                    state ^= 1 << channel | 1 << back
+                    impulses[y] += 1
+            target[y, x] = outcomes[state, _choice(numbers[state], number_of_draws, key, x)]
+
+
+@njit(cache=True, error_model="numpy")
+def _random_bit(key, draw, x):  # type: ignore[no-untyped-def]
+    """Bit x mod 64 of word x // 64 of a row."""
+    return np.int64(random_word(key, np.uint64(draw * ROW + x // 64)) >> np.uint64(x % 64)) & 1
+
+
+@njit(cache=True, error_model="numpy")
+def _choice(number, number_of_draws, key, x):  # type: ignore[no-untyped-def]
+    """Uniform among 0 ... number - 1: as many random bits as number them, drawn again where they say more."""
+    if number == 1:
+        return 0
+    used = 0
+    while (1 << used) < number:
+        used += 1
+    draw = 0
+    while True:
+        code = 0
+        for j in range(used):
+            code |= _random_bit(key, draw + j, x) << j
+        if code < number:
+            return code
+        draw += number_of_draws
+
+
+@njit(cache=True, error_model="numpy")
+def _uniform(seed, time, y, x):  # type: ignore[no-untyped-def]
+    """Uniform integer of DIGITS binary digits."""
+    key = row_key(seed, FORCING, np.uint64(time), np.uint64(y))
+    value = 0
+    for digit in range(DIGITS):
+        value |= _random_bit(key, digit, x) << digit
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def _reflected(state, rule, mirrors, seed, time, y, x):  # type: ignore[no-untyped-def]
+    """Components are reversed by the rule's bits 1 and 2, and with probability 1/2 by its bits 4 and 8."""
+    flips = rule & 3
+    if rule >> 2:
+        coin = _random_bit(row_key(seed, WALLS, np.uint64(time), np.uint64(y)), 0, x)
+        flips |= (rule >> 2) * coin
+    return mirrors[flips, state]
