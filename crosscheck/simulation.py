@@ -16,6 +16,7 @@ from crosscheck.engines.pool import Pool
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import EngineMissing, UsageError
 from crosscheck.scene import AXES, Floats, Method, Scene
+from crosscheck.scene.sites import gas_model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,11 +63,12 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]
     what = load(scene)
     method = what.method
     if method is None:
-        example = 'scheme = "velocity_verlet", dt = 0.005'
-        raise UsageError(
-            f"scene {what.name}: add [method] with "
-            + (f"scheme and dt, as in {example}" if what.hard_spheres is None else 'scheme = "event_driven"')
-        )
+        example = 'scheme and dt, as in scheme = "velocity_verlet", dt = 0.005'
+        if what.hard_spheres is not None:
+            example = 'scheme = "event_driven"'
+        elif what.lattice_gas is not None:
+            example = 'scheme = "lattice_planes"'
+        raise UsageError(f"scene {what.name}: add [method] with {example}")
     if len(set(engines)) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
     pool = Pool()
@@ -111,6 +113,8 @@ def observables(scene: Scene, run: Run) -> dict[str, Floats]:
     N counts those that move, and stands for N - 1 where walls, fixed particles or a field take up momentum. pressure:
     the mean since the start, with the collisional virial for W and exact time averages. A tally with several columns
     becomes as many, "wall_impulse[x-].y" and the like.
+
+    Of lattice gases: totals of mass, momentum and what the force gave.
     """
     table = {"time": run.time}
     kinetic, potential, virial = run.kinetic_energy, run.potential_energy, run.virial
@@ -124,6 +128,8 @@ def observables(scene: Scene, run: Run) -> dict[str, Floats]:
         table["total_energy"] = table["kinetic_energy"] + table["potential_energy"]
     if scene.hard_spheres is not None:
         return table | _of_hard_spheres(scene, run)
+    if scene.lattice_gas is not None:
+        return table | _of_lattice_gas(scene, run)
     if kinetic is not None:
         table["temperature"] = 2 * kinetic / (d * max(scene.number - 1, 1))
     if kinetic is not None and virial is not None and set(scene.boundaries) == {"periodic"}:
@@ -148,6 +154,20 @@ def _of_hard_spheres(scene: Scene, run: Run) -> dict[str, Floats]:
     for name in scene.output.observables:
         if name in tallies:
             table |= _columns(scene, name, tallies[name])
+    return table
+
+
+def _of_lattice_gas(scene: Scene, run: Run) -> dict[str, Floats]:
+    table: dict[str, Floats] = {}
+    tallies = run.tallies
+    if "populations" in tallies:
+        whole = tallies["populations"].sum(axis=(1, 2))
+        momentum = whole @ gas_model(scene).velocities.cartesian
+        table |= {"mass": whole.sum(axis=1), "momentum_x": momentum[:, 0], "momentum_y": momentum[:, 1]}
+    if "force_impulse" in tallies:
+        table["force_impulse"] = tallies["force_impulse"].sum(axis=1)
+    if "h_function" in tallies:
+        table["h_function"] = tallies["h_function"]
     return table
 
 
@@ -199,10 +219,20 @@ _HARD_MEANINGS = {
 def _write_observables(path: Path, scene: Scene, method: Method, result: _Result) -> Path:
     tails = scene.lennard_jones is not None and scene.lennard_jones.tail_corrections
     meanings = _MEANINGS if scene.hard_spheres is None else _HARD_MEANINGS
-    comments = [
-        f"scene {scene.name}: {scene.number} particles in {scene.dimension} dimensions",
-        f"{result.engine} {result.version}, {_named(method)}",
+    what, units = (
+        f"{scene.number} particles in {scene.dimension} dimensions",
         "totals, in the scene's own units (SI, or reduced): time, energy, pressure = energy/length^d",
+    )
+    if scene.lattice_gas is not None:
+        gas = scene.lattice_gas
+        what, units = (
+            f"{gas.model}, {gas.columns} x {gas.rows} sites",
+            "totals: time in steps, lengths in links, mass 1",
+        )
+    comments = [
+        f"scene {scene.name}: {what}",
+        f"{result.engine} {result.version}, {_named(method)}",
+        units,
         *(text for name, text in meanings.items() if name in result.table),
         *(["potential_energy and pressure contain the tail corrections"] if tails else []),
         *(["the run diverged: not a number from there on"] if result.run.diverged else []),
@@ -345,6 +375,9 @@ def _draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
 
     Hard disks as circles of their size, among their walls, with the paths of those that move if they are few.
     """
+    if scene.lattice_gas is not None:
+        _draw_lattice_gas(axes, scene, run)
+        return
     if scene.hard_spheres is not None and scene.dimension == 2:
         _draw_disks(axes, scene, run)
         return
@@ -377,6 +410,38 @@ def _draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
     assert axes.figure is not None
     axes.figure.colorbar(points, ax=axes, label="speed", shrink=0.8)
     axes.set(xlabel="x", ylabel="y (far particles are smaller)" if scene.dimension == 3 else "y", aspect="equal")
+
+
+def _draw_lattice_gas(axes: Axes, scene: Scene, run: Run) -> None:
+    """Speed of the blocks at the last sample, with arrows, and the walls."""
+    gas = scene.lattice_gas
+    assert gas is not None
+    velocities = gas_model(scene).velocities
+    height = gas.rows * velocities.row_height
+    axes.set(xlim=(0, gas.columns), ylim=(0, height), xlabel="x", ylabel="y", aspect="equal")
+    axes.grid(False)
+    if "populations" in run.tallies:
+        counts = run.tallies["populations"][-1]
+        mass = counts.sum(axis=-1)
+        u = counts @ velocities.cartesian / np.where(mass > 0, mass, np.nan)[..., None]
+        speed = np.linalg.norm(u, axis=-1)
+        image = axes.imshow(speed.T, origin="lower", extent=(0, gas.columns, 0, height), aspect="equal")
+        assert axes.figure is not None
+        axes.figure.colorbar(image, ax=axes, label="speed", shrink=0.8)
+        each = max(1, max(speed.shape) // 24)
+        x = (np.arange(speed.shape[0]) + 0.5) * gas.columns / speed.shape[0]
+        y = (np.arange(speed.shape[1]) + 0.5) * height / speed.shape[1]
+        axes.quiver(
+            *np.meshgrid(x[::each], y[::each]),
+            u[::each, ::each, 0].T,
+            u[::each, ::each, 1].T,
+            color="white",
+            width=0.003,
+        )
+    walls = scene.wall_rules()
+    if walls is not None:
+        rows, columns = np.nonzero(walls)
+        axes.plot(columns, rows * velocities.row_height, ",", color="#d04f00")
 
 
 def _draw_disks(axes: Axes, scene: Scene, run: Run) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from crosscheck.checks.base import Laboratory
 from crosscheck.checks.lattice_gas import NO_COLLISIONS, PLANES, _with, filled, gas_scene, lattice_check, populations
-from crosscheck.checks.lattice_transport import decay_rate, measure_mode, standing_wave, wavenumber
+from crosscheck.checks.lattice_transport import shear_wave_viscosities, standing_wave
 from crosscheck.convergence import worst
 from crosscheck.faults import Fault
 from crosscheck.references import lattice_gas as known
@@ -207,7 +207,7 @@ def _judge_fhp(laboratory: Laboratory, variant: str) -> Judgement:
     box = _experiment(laboratory, FHP, columns, rows, density, wave)
     length, height = columns - 1, (rows - 1) * math.sqrt(3) / 2
     k = math.pi / length
-    true, true_error = _viscosity(laboratory, density)
+    true, true_error = independent_mean(shear_wave_viscosities(laboratory, FHP, density, 128))
     boltzmann = known.shear_viscosity(FHP, density)
     channel = known.channel_sound(known.SOUND_SPEED[FHP], true, k, height)
     thin = known.channel_sound(known.SOUND_SPEED[FHP], boltzmann, k, height)
@@ -280,26 +280,6 @@ def _judge_fhp(laboratory: Laboratory, variant: str) -> Judgement:
         ),
     )
     return _with(worst(judgements, note), (figure, _curve(f"FHP box, d = {density:g}", "crest, cell 8", box, 8)))
-
-
-def _viscosity(laboratory: Laboratory, density: float) -> tuple[float, float]:
-    """nu and its standard error, by the decay of periodic shear waves."""
-    model, rows = MODELS[FHP], 128
-    k = wavenumber(model, rows)
-    rate = modes(model, density, (0.0, k)).shear_decay
-    steps = int(min(1.5 / rate, 6000))
-    signals = measure_mode(
-        laboratory,
-        FHP,
-        density,
-        (Wave(of="velocity_x", amplitude=0.1, mode=(0.0, 1.0)),),
-        lambda m: m.velocities.cartesian[:, 0],
-        rows=rows,
-        columns=1024,
-        steps=steps,
-        every=max(1, steps // 60),
-    )
-    return independent_mean([decay_rate(signals.times, s, rate) / k**2 for s in signals.values])
 
 
 def _curve(title: str, label: str, box: Box, strip: int) -> Figure:

@@ -208,8 +208,8 @@ def _against_green_kubo(
         u,
         green_kubo + finite,
         math.hypot(error, tail, finite),
-        f"{_BY_MEMBERS}; Green-Kubo to lag {until}, uncertain by what its last two doublings add, for where a wave cuts "
-        "the long-time tail off is known to a factor only, and by the correction for the wavelength",
+        f"{_BY_MEMBERS}; Green-Kubo to lag {until}, uncertain by what its last two doublings add (where a wave cuts "
+        "the long-time tail off is known to a factor only) and by the correction for the wavelength",
         samples=MEMBERS,
         note=f"{label}: measured/Boltzmann {value / boltzmann[0]:.3f}({u / boltzmann[0]:.3f})",
     )
@@ -217,6 +217,26 @@ def _against_green_kubo(
 
 
 # -- shear -----------------------------------------------------------------------------------------------
+
+
+def shear_wave_viscosities(laboratory: Laboratory, name: str, density: float, rows: int) -> list[float]:
+    """nu of each gas from the decay of its shear wave, one wavelength on these rows, u0 = 0.1."""
+    model = MODELS[name]
+    k = wavenumber(model, rows)
+    rate = modes(model, density, (0.0, k)).shear_decay
+    steps = int(min(1.5 / rate, 6000))
+    signals = measure_mode(
+        laboratory,
+        name,
+        density,
+        (Wave(of="velocity_x", amplitude=0.1, mode=(0.0, 1.0)),),
+        _across,
+        rows=rows,
+        columns=131072 // rows,
+        steps=steps,
+        every=max(1, steps // 60),
+    )
+    return [decay_rate(signals.times, s, rate) / k**2 for s in signals.values]
 
 
 def _judge_shear(laboratory: Laboratory, variant: str) -> Judgement:
@@ -227,20 +247,7 @@ def _judge_shear(laboratory: Laboratory, variant: str) -> Judgement:
     rows = 256 if theory > 0.3 else 128
     k = wavenumber(model, rows)
     at_k = modes(model, density, (0.0, k)).shear_decay
-    steps = int(min(1.5 / at_k, 6000))
-    waves = (Wave(of="velocity_x", amplitude=0.1, mode=(0.0, 1.0)),)
-    signals = measure_mode(
-        laboratory,
-        name,
-        density,
-        waves,
-        _across,
-        rows=rows,
-        columns=131072 // rows,
-        steps=steps,
-        every=max(1, steps // 60),
-    )
-    measured = [decay_rate(signals.times, s, at_k) / k**2 for s in signals.values]
+    measured = shear_wave_viscosities(laboratory, name, density, rows)
     c = model.velocities.cartesian
     stresses = [c[:, 0] * c[:, 1], (c[:, 0] ** 2 - c[:, 1] ** 2) / 2]
     rest = fluctuations(laboratory, name, density, stresses, rows)
@@ -540,7 +547,11 @@ def _judge_poiseuille(laboratory: Laboratory, variant: str) -> Judgement:
     columns_of_fit = np.stack([shape, np.ones(rows), unit, unit**4 - unit**2 / 4], axis=1)[inside]
     fits = np.linalg.lstsq(columns_of_fit, j[:, inside].T)[0].T
     slip = fits[:, 1] * fits[:, 0] ** -1 / (stress[-1] / 2)
-    wave = _shear_at_half(laboratory, name)
+    # Boltzmann's correction for the wavelength taken off
+    k = wavenumber(model, rows)
+    finite = modes(model, 0.5, (0.0, k)).shear_decay / k**2 - known.shear_viscosity(name, 0.5)
+    decays, decays_error = independent_mean(shear_wave_viscosities(laboratory, name, 0.5, rows))
+    wave = (decays - finite, decays_error)
     why = f"standard error of {stretches} stretches of a steady flow"
     nu, nu_error = independent_mean(1 / fits[:, 0])
     length, length_error = independent_mean(slip)
@@ -563,21 +574,6 @@ def _judge_poiseuille(laboratory: Laboratory, variant: str) -> Judgement:
         ),
     )
     return _with(worst(judgements, f"Boltzmann's nu {known.shear_viscosity(name, 0.5):.4g}"), (figure,))
-
-
-def _shear_at_half(laboratory: Laboratory, name: str) -> tuple[float, float]:
-    """nu and its standard error at d = 1/2 from the decay of shear waves as long as the channel is wide."""
-    model, rows = MODELS[name], 64
-    k = wavenumber(model, rows)
-    rate = modes(model, 0.5, (0.0, k)).shear_decay
-    waves = (Wave(of="velocity_x", amplitude=0.1, mode=(0.0, 1.0)),)
-    signals = measure_mode(
-        laboratory, name, 0.5, waves, _across, rows=rows, columns=2048, steps=int(1.5 / rate), every=10
-    )
-    rates = [decay_rate(signals.times, s, rate) / k**2 for s in signals.values]
-    correction = modes(model, 0.5, (0.0, k)).shear_decay / k**2 - known.shear_viscosity(name, 0.5)
-    value, u = independent_mean(rates)
-    return value - correction, u
 
 
 CHECKS = (

@@ -327,6 +327,8 @@ class Scene(Part):
             velocities = random_velocities(self.initial, masses, self.dimension, fixed)
         elif isinstance(self.initial, Kepler):
             positions, velocities = apocentre(self.initial, masses, self.gravity, self.dimension)
+        elif isinstance(self.initial, Occupations):
+            positions = velocities = np.zeros((0, self.dimension))
         else:
             raise UsageError("initial.kind = 'file' is read by Scene.load: load the scene from its file")
         state = State(positions, velocities, masses, species, lengths, diameters, spins)
