@@ -69,7 +69,7 @@ def _judge_street(laboratory: Laboratory, variant: str) -> Judgement:
             density,
             laboratory.seed(),
             velocity_x=speed,
-            waves=(Wave(of="velocity_y", amplitude=0.08, mode=(2.0, 0.0)),),
+            waves=(Wave(of="velocity_y", amplitude=0.08, mode=(4.0, 0.0)),),
         ),
         Output(interval=every, observables=("populations",), fields=(columns // block, rows // block)),
         obstacles=(
@@ -98,6 +98,13 @@ def _judge_street(laboratory: Laboratory, variant: str) -> Judgement:
             min(shares),
             0.5,
             "a street is periodic: noise, and a wake that meets itself, have no line with half of the variance",
+            at_least=True,
+        ),
+        bounded(
+            "velocity across the wake, rms, over that of the flow",
+            float(signals[0].std()) / mean_speed,
+            0.4,
+            "vortices turn the wake by as much as the flow itself; the push at the start was a fifth of it",
             at_least=True,
         ),
         bounded(
@@ -294,11 +301,11 @@ CHECKS = (
             (
                 "U0.2",
                 Fault(
-                    "syrup",
+                    "free-streaming",
                     "lattice/models.py",
                     "            outcomes[state] = cycle if identity",
-                    "            outcomes[state] = (state,) if len(members) == 2 else cycle if identity",
-                    "pairs of states do not collide: the viscosity is too large for the layers to roll up",
+                    "            outcomes[state] = (state,) if members else cycle if identity",
+                    "particles never collide: nothing rolls up",
                 ),
             ),
         ),

@@ -8,6 +8,7 @@ of that without a wave are the fluctuations of its stress at rest (Green-Kubo); 
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -96,24 +97,33 @@ def _across(model: Model) -> Floats:
 
 
 def decay_rate(times: Floats, signal: Any, guess: float) -> float:
-    """alpha of a exp(-alpha t), by least squares; the first sample, still relaxing, is left out."""
-    from scipy.optimize import curve_fit
-
+    """alpha of a exp(-alpha t), by least squares; the first sample, still relaxing, is left out. NaN if none fits."""
     t, s = times[1:], signal.real[1:]
-    fitted, _ = curve_fit(lambda t, a, alpha: a * np.exp(-alpha * t), t, s, p0=(s[0], guess))
-    return float(fitted[1])
+    return float(_fitted(lambda t, a, alpha: a * np.exp(-alpha * t), t, s, (s[0], guess))[1])
+
+
+def _fitted(curve: Callable[..., Floats], times: Floats, signal: Floats, start: tuple[float, ...]) -> Floats:
+    """Parameters of the curve nearest to the signal; NaN where the search finds none."""
+    from scipy.optimize import OptimizeWarning, curve_fit
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", OptimizeWarning)  # of the covariance, which is not used
+        try:
+            found, _ = curve_fit(curve, times, signal, p0=start)
+        except RuntimeError:
+            return np.full(len(start), np.nan)
+    return np.asarray(found)
 
 
 def standing_wave(times: Floats, signal: Any, damping: float, frequency: float) -> tuple[float, float]:
-    """alpha and omega of a exp(-alpha t) cos(omega t + phi), by least squares from these guesses."""
-    from scipy.optimize import curve_fit
+    """alpha and omega of a exp(-alpha t) cos(omega t + phi), by least squares from these guesses. NaN if none fits."""
 
     def wave(t: Floats, a: float, alpha: float, omega: float, phi: float) -> Floats:
         return a * np.exp(-alpha * t) * np.cos(omega * t + phi)
 
     s = signal.real
-    fitted, _ = curve_fit(wave, times, s, p0=(s[0], damping, frequency, 0.0))
-    return float(fitted[1]), float(fitted[2])
+    _, alpha, omega, _ = _fitted(wave, times, s, (s[0], damping, frequency, 0.0)).tolist()
+    return alpha, omega
 
 
 # -- Green-Kubo ------------------------------------------------------------------------------------------
@@ -556,7 +566,10 @@ def _judge_poiseuille(laboratory: Laboratory, variant: str) -> Judgement:
     nu, nu_error = independent_mean(1 / fits[:, 0])
     length, length_error = independent_mean(slip)
     curved, curved_error = independent_mean(fits[:, 3] / 16 / j.max())
+    kept = abs(float(flow[-1].sum() - flow[first].sum())) / (float(given.sum()) * steps)
     judgements = [
+        bounded("momentum that the gas keeps, of what the force gives", kept, 0.05,
+                "steady: the walls take it all, but for its fluctuations and exp(-7) of the decay before"),
         statistical("nu", nu, nu_error, *wave, f"{why}; the decay of a shear wave in the same gas",
                     samples=stretches, needed=0.1),
         statistical("departure from the profile, fourth power, over the maximum", curved, curved_error, 0.0, 0.0,
@@ -644,12 +657,11 @@ CHECKS = (
                     "no-spectators",
                     "lattice/models.py",
                     "velocities.mass(state) - resting <= 3:",
-                    "velocities.mass(state) - resting <= 3 - resting:",
-                    "in FHP-II triples do not collide beside a resting particle",
+                    "velocities.mass(state) - resting <= 3 - 2 * resting:",
+                    "in FHP-II head-on pairs and triples do not collide beside a resting particle",
                 ),
             ),
         ),
-        tier="quick",
     ),
     lattice_check(
         "advection",

@@ -26,8 +26,11 @@ def unsupported(scene: Scene, scheme: str) -> str | None:
         moves = "mean occupations" if scheme == BOLTZMANN else "particles"
         return f"'{scheme}' moves {moves}, which have no {' and no '.join(asked)}"
     assert scene.lattice_gas is not None
+    assert isinstance(scene.initial, Occupations)
     if scheme == BOLTZMANN and scene.lattice_gas.reversals is not None:
         return f"'{BOLTZMANN}' is irreversible: remove lattice_gas.reversals"
+    if scheme == BOLTZMANN and scene.initial.cells is not None:
+        return f"'{BOLTZMANN}' moves mean occupations: remove initial.cells, which counts particles"
     return None
 
 

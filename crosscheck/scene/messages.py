@@ -61,7 +61,7 @@ _KINDS: dict[str, type[Part]] = {
     "occupations": Occupations,
 }
 #: How pydantic names the forms of "one value, or one per particle" in the place of an error.
-_FORMS = ("constrained-float", "tuple[constrained-float, ...]")
+_FORMS = ("constrained-float", "tuple[constrained-float, ...]", "float", "tuple[float, ...]")
 
 
 def explain(error: ValidationError, where: str, scene: type[Part]) -> str:
@@ -72,12 +72,13 @@ def explain(error: ValidationError, where: str, scene: type[Part]) -> str:
     for problem in sorted(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden"):
         place, kind, found = problem["loc"], problem["type"], problem["input"]
         # of "one value, or one per particle", the form that was not given has nothing to say
-        if place[-1:] == _FORMS[1:] or (place[-1:] == _FORMS[:1] and isinstance(found, list)):
+        last = place[-1] if place else ""
+        if last in _FORMS[1::2] or (last in _FORMS[::2] and isinstance(found, list | tuple)):
             continue
         keys = [str(part) for part in place if part not in (*_KINDS, *_FORMS)]
         path = ".".join(keys)
         if kind == "extra_forbidden":
-            near, hint = _hint(str(place[-1]), [str(part) for part in place[:-1]], scene)
+            near, hint = _hint(str(place[-1]), [part for part in place[:-1] if isinstance(part, str)], scene)
             meant.add(".".join([*keys[:-1], near]))
             lines.append(f"unknown key '{path}'; {hint}")
         elif kind == "missing":

@@ -237,6 +237,8 @@ class Obstacle(Part):
         block = self.columns is not None or self.rows is not None
         if block + (self.centre is not None) + (self.sites is not None) != 1:
             raise ValueError("give one of: columns and rows (or one of them), centre and radius, sites")
+        if self.sites == ():
+            raise ValueError("sites is empty: give at least one (column, row)")
         for name in ("columns", "rows"):
             ends = getattr(self, name)
             if ends is not None and ends[0] > ends[1]:

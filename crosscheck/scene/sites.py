@@ -33,7 +33,6 @@ def check_lattice_gas(scene: Scene) -> None:
         "masses": scene.masses != 1.0,
         "species": scene.species is not None,
         "acceleration": scene.acceleration is not None,
-        "[box]": scene.box is not None,
         "output.collisions": output.collisions is not None,
         "output.trajectory": output.trajectory,
         "output.forces": output.forces,
@@ -75,12 +74,19 @@ def _check_lattice(scene: Scene, gas: LatticeGas, initial: Occupations) -> None:
         raise ValueError(
             f"initial.cells = {initial.cells} must divide {gas.columns} columns and {gas.rows} rows evenly"
         )
+    if initial.cells is not None and isinstance(initial.density, tuple):
+        raise ValueError("initial.cells goes with one density: give one, and waves")
+    for name, seed in (("seed", scene.seed), ("initial.seed", initial.seed)):
+        if seed is not None and seed >= 1 << 63:
+            raise ValueError(f"{name} = {seed} must be below 2^63")
     _check_reversals(scene, gas, model)
 
 
 def _check_reversals(scene: Scene, gas: LatticeGas, model: Model) -> None:
     if gas.reversals is None:
         return
+    if not gas.reversals:
+        raise ValueError("lattice_gas.reversals is empty: give steps, as [100, 200], or remove it")
     drawn = any(obstacle.rule.startswith("diffusive") for obstacle in gas.obstacles)
     if not model.deterministic or drawn or gas.force is not None:
         raise ValueError("lattice_gas.reversals: only dynamics without random numbers can be reversed: remove it")
@@ -148,7 +154,12 @@ def _profile(scene: Scene, name: str, x: Floats, y: Floats) -> Floats:
 
 
 def initial_occupations(scene: Scene) -> Floats:
-    """Mean occupations, (rows, columns, b); UsageError where a density and a velocity are beyond the gas."""
+    """Mean occupations, (rows, columns, b), 0 at walls; UsageError where density and velocity are beyond the gas."""
+    walls, f = wall_rules(scene), _occupations(scene)
+    return f if walls is None else np.where(walls[..., None] > 0, 0.0, f)
+
+
+def _occupations(scene: Scene) -> Floats:
     from refimpl.lattice.gas import places
     from refimpl.lattice.theory import fermi_dirac
 
@@ -187,8 +198,4 @@ def initial_sites(scene: Scene) -> NDArray[np.uint8]:
         if density.min() < 0 or density.max() > 1:
             raise UsageError(f"scene {scene.name}: initial: the density is not in [0, 1] everywhere: change the waves")
         return filled_cells(model, density, initial.cells, generator)
-    sites = drawn_sites(initial_occupations(scene), generator)
-    walls = wall_rules(scene)
-    if walls is not None:
-        sites[walls > 0] = 0
-    return sites
+    return drawn_sites(initial_occupations(scene), generator)

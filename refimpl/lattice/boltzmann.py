@@ -37,8 +37,8 @@ class BoltzmannLattice:
     A step is propagation; then the drive at fluid sites; then collision at fluid sites, reflection at wall sites.
 
     walls (rows, columns): 0 fluid; 1 reverses the x component of the velocity, 2 the y component, 4 and 8 do so with
-    probability 1/2; their sums do both. 3 is bounce-back, 2 a specular and 6 a diffusive wall whose normal is y; 1 and
-    9 those whose normal is x. No walls: None.
+    probability 1/2, on one draw; their sums do both. 3 is bounce-back, 2 a specular and 6 a diffusive wall whose normal
+    is y; 1 and 9 those whose normal is x. No walls: None.
     forcing: with probability p a particle of the channel opposite to i turns into channel i if that is free, so that
     p f_opp (1 - f_i) moves on average. None: no drive.
 
@@ -129,10 +129,9 @@ def _sources(velocities: VelocitySet, rows: int, columns: int) -> Indices:
 def _reflection(velocities: VelocitySet, code: int) -> Floats:
     """R_ij of a wall, (b, b): the mean part of what arrives in channel i that leaves in channel j."""
 
-    def reverse(sign_x: int, sign_y: int, certain: int, maybe: int) -> Floats:
-        image = np.eye(velocities.channels)[list(velocities.image(sign_x, sign_y))]
-        same = np.eye(velocities.channels)
-        turned = image if code & certain else same
-        return np.asarray((turned + turned @ image) / 2 if code & maybe else turned)
+    def turned(flips: int) -> Floats:
+        image = velocities.image(-1 if flips & 1 else 1, -1 if flips & 2 else 1)
+        return np.asarray(np.eye(velocities.channels)[list(image)])
 
-    return np.asarray(reverse(-1, 1, 1, 4) @ reverse(1, -1, 2, 8))
+    always = code & 3
+    return (turned(always) + turned(always | code >> 2)) / 2

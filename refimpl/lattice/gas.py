@@ -68,10 +68,12 @@ class LatticeGas(ABC):
         if model.velocities.half_rows and sites.shape[0] % 2:
             raise ValueError(f"{sites.shape[0]} rows: a periodic triangular lattice needs an even number")
         if walls is not None:
-            walls = np.ascontiguousarray(walls, dtype=np.uint8)
-            if walls.shape != sites.shape or int(walls.max()) > 15:
-                raise ValueError(f"walls must be rules 0 ... 15 of shape {sites.shape}, got {walls.shape}")
-            walls = walls if walls.any() else None
+            walls = np.asarray(walls)
+            if walls.shape != sites.shape:
+                raise ValueError(f"walls must have the shape of the sites, {sites.shape}, got {walls.shape}")
+            if walls.min() < 0 or walls.max() > 15:
+                raise ValueError(f"walls are rules 0 ... 15, got {walls.min()} ... {walls.max()}")
+            walls = np.ascontiguousarray(walls, dtype=np.uint8) if walls.any() else None
         if not 0 <= seed < 1 << 63:
             raise ValueError(f"seed = {seed} must be in 0 ... 2^63 - 1")
         if forcing is not None:
@@ -175,8 +177,8 @@ def filled_cells(model: Model, density: np.ndarray, cell: int, generator: np.ran
     """
     channels, size = model.channels, cell * cell * model.channels
     down, across = density.shape
-    # the particles of a cell take the channels that come first in a random order
-    order = generator.random((down, across, size)).argsort(axis=-1).argsort(axis=-1)
+    # the particles of a cell take the first channels of a random order
+    order = generator.random((down, across, size)).argsort(axis=-1)
     filled = order < np.rint(density * size)[..., None]
     bits = filled.reshape(down, across, cell, cell, channels)
     states = (bits << np.arange(channels, dtype=np.uint8)).sum(axis=-1, dtype=np.uint8)

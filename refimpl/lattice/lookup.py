@@ -30,7 +30,7 @@ class LookupGas(LatticeGas):
 
     @property
     def sites(self) -> np.ndarray:
-        return self._sites
+        return self._sites.copy()
 
     def _set(self, sites: np.ndarray) -> None:
         self._sites = np.array(sites)

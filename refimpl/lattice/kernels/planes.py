@@ -74,6 +74,8 @@ def _collide_compiled(model, occupied, key, place):  # type: ignore[no-untyped-d
 @register_jitable
 def _bernoulli(key, threshold, place):  # type: ignore[no-untyped-def]
     """Bits set with probability threshold/2^DIGITS: U < threshold, digit by digit from the last one."""
+    if threshold >> DIGITS:
+        return splat(_ALL)
     below = splat(_NONE)
     for digit in range(DIGITS):
         word = _word(key, digit, place)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import operator
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import llvmlite.ir as ir
@@ -60,6 +61,12 @@ register_model(ModelType)(models.OpaqueModel)
 
 @typeof_impl.register(Model)
 def _typeof_model(model: Model, context: Any) -> ModelType:
+    return _type_of(model)
+
+
+@cache
+def _type_of(model: Model) -> ModelType:
+    """Asked for at every call of a kernel."""
     v = model.velocities
     return ModelType(model.outcomes, v.integers, v.half_rows, (v.image(-1, 1), v.image(1, -1)))
 
