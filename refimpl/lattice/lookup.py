@@ -62,12 +62,19 @@ class LookupGas(LatticeGas):
 def _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time):  # type: ignore[no-untyped-def]
     rows, columns = sites.shape
     outcomes, numbers, number_of_draws = table
+    arrived = np.empty(columns, dtype=np.uint8)
+    ring = np.empty(columns + 2, dtype=np.uint8)  # a row between its periodic images
     for y in range(rows):
+        arrived[:] = 0
+        for i in range(moves.shape[1]):
+            bit, down, shift = np.uint8(moves[y % 2, i, 0]), moves[y % 2, i, 1], moves[y % 2, i, 2]
+            source = sites[(y - down) % rows]
+            ring[0], ring[columns + 1] = source[columns - 1], source[0]
+            ring[1 : columns + 1] = source
+            arrived |= ring[1 - shift : columns + 1 - shift] & bit
         key = row_key(seed, COLLISION, np.uint64(time), np.uint64(y))
         for x in range(columns):
-            state = 0
-            for bit, down, shift in moves[y % 2]:
-                state |= sites[(y - down) % rows, (x - shift) % columns] & bit
+            state = np.int64(arrived[x])
             if walls is not None and walls[y, x] > 0:
                 target[y, x] = _reflected(state, walls[y, x], mirrors, seed, time, y, x)
                 continue
