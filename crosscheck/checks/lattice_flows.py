@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.checks.base import Laboratory
-from crosscheck.checks.lattice_gas import PLANES, _with, filled, gas_scene, lattice_check, populations
+from crosscheck.checks.lattice_gas import PLANES, filled, gas_scene, lattice_check, populations, with_figures
 from crosscheck.checks.lattice_transport import shear_wave_viscosities
 from crosscheck.convergence import worst
 from crosscheck.faults import Fault
@@ -139,7 +139,7 @@ def _judge_street(laboratory: Laboratory, variant: str) -> Judgement:
         f"Re = g U D/nu = {reynolds:.0f}, U = {mean_speed:.3f}, period {1 / frequencies[0]:.0f}, "
         f"blockage {blockage:.2f}"
     )
-    return _with(worst(judgements, note), figures)
+    return with_figures(worst(judgements, note), figures)
 
 
 def _line(times: Floats, signal: Floats) -> tuple[float, float]:
@@ -257,7 +257,7 @@ def _judge_layer(laboratory: Laboratory, variant: str) -> Judgement:
         f"Re = g U delta/nu = {g * speed * width / nu:.0f}, k delta = {k * width:.3f}; without viscosity "
         f"{inviscid:.3g} at most"
     )
-    return _with(worst(judgements, note), figures)
+    return with_figures(worst(judgements, note), figures)
 
 
 def _in_blocks(v: Any, blocks: int) -> Any:

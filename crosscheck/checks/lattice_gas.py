@@ -221,20 +221,20 @@ def _judge_reversal(laboratory: Laboratory, variant: str) -> Judgement:
 # -- equilibrium -----------------------------------------------------------------------------------------
 
 
-def _named_density(variant: str) -> tuple[str, float]:
+def named_density(variant: str) -> tuple[str, float]:
     """Model and density of a variant such as fhp1-d0.3."""
     name, density = variant.rsplit("-d", 1)
     return name, float(density)
 
 
 def at_densities(names: tuple[str, ...], densities: tuple[float, ...]) -> tuple[str, ...]:
-    """Variants that `_named_density` reads."""
+    """Variants that `named_density` reads."""
     return tuple(f"{name}-d{density:g}" for name in names for density in densities)
 
 
 def _judge_equilibrium(laboratory: Laboratory, variant: str) -> Judgement:
     """Populations of a gas that starts away from equilibrium, against Fermi-Dirac at the same mass and momentum."""
-    name, density = _named_density(variant)
+    name, density = named_density(variant)
     model = MODELS[name]
     target = fermi_dirac(model.velocities, density, (0.2, 0.1))
     # the same mass and momentum, but another distribution: halfway to that with the fewest channels filled
@@ -286,7 +286,7 @@ def _judge_equilibrium(laboratory: Laboratory, variant: str) -> Judgement:
         ),
     )
     found = worst(judgements, f"the expansion to u^2 is off by {np.abs(expansion - expected).max():.2g}")
-    return _with(found, (figure,))
+    return with_figures(found, (figure,))
 
 
 def _away(model: Model, f: Floats) -> Floats:
@@ -298,7 +298,8 @@ def _away(model: Model, f: Floats) -> Floats:
     return f + 0.5 * room * direction
 
 
-def _with(judgement: Judgement, figures: tuple[Figure, ...]) -> Judgement:
+def with_figures(judgement: Judgement, figures: tuple[Figure, ...]) -> Judgement:
+    """The judgement with these figures alone."""
     return replace(judgement, figures=figures)
 
 
@@ -308,7 +309,7 @@ def _judge_pressure(laboratory: Laboratory, variant: str) -> Judgement:
     A flow at the angle a has P_xx - P_yy = rho g u^2 cos 2a and P_xy = rho g u^2 sin(2a)/2 if the tensor is isotropic;
     of HPP P_xy = 0, and g_HPP = 2 G(rho) = 2 (2 - rho)/(4 - rho).
     """
-    name, density = _named_density(variant)
+    name, density = named_density(variant)
     model, size, samples = MODELS[name], 1024, 60
     angles = np.radians([0.0, 15.0, 30.0, 45.0])
     speed = 0.2
@@ -357,7 +358,7 @@ def _judge_pressure(laboratory: Laboratory, variant: str) -> Judgement:
             Series(f"{name}: equilibrium", np.degrees(angles).tolist(), theory, theory=True),
         ),
     )
-    return _with(worst(judgements, f"u = {speed:g}, {size} x {size} sites"), (figure,))
+    return with_figures(worst(judgements, f"u = {speed:g}, {size} x {size} sites"), (figure,))
 
 
 # -- H theorem -------------------------------------------------------------------------------------------

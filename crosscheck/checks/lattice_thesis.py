@@ -11,7 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from crosscheck.checks.base import Laboratory
-from crosscheck.checks.lattice_gas import NO_COLLISIONS, PLANES, _with, filled, gas_scene, lattice_check, populations
+from crosscheck.checks.lattice_gas import (
+    NO_COLLISIONS,
+    PLANES,
+    filled,
+    gas_scene,
+    lattice_check,
+    populations,
+    with_figures,
+)
 from crosscheck.checks.lattice_transport import shear_wave_viscosities, standing_wave
 from crosscheck.convergence import worst
 from crosscheck.faults import Fault
@@ -144,7 +152,7 @@ def _hpp_box(laboratory: Laboratory) -> Judgement:
         f"{', '.join(f'{10 * SAMPLES / peak:.1f}' for peak in sorted(peaks))}. "
         f"Right: T = {2 * math.pi / fits[:, 1].mean():.1f}, c = {speed:.4f}({u:.1g})"
     )
-    return _with(worst(judgements, note), (_curve("HPP box, d = 0.5", "crest, cell 15", box, 15),))
+    return with_figures(worst(judgements, note), (_curve("HPP box, d = 0.5", "crest, cell 15", box, 15),))
 
 
 def _hpp_periodic(laboratory: Laboratory) -> Judgement:
@@ -279,7 +287,7 @@ def _judge_fhp(laboratory: Laboratory, variant: str) -> Judgement:
             Series("Boltzmann", d_axis, [known.shear_viscosity(FHP, d) for d in d_axis], theory=True),
         ),
     )
-    return _with(worst(judgements, note), (figure, _curve(f"FHP box, d = {density:g}", "crest, cell 8", box, 8)))
+    return with_figures(worst(judgements, note), (figure, _curve(f"FHP box, d = {density:g}", "crest, cell 8", box, 8)))
 
 
 def _curve(title: str, label: str, box: Box, strip: int) -> Figure:

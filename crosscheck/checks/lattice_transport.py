@@ -22,13 +22,13 @@ from crosscheck.checks.lattice_gas import (
     NAMES,
     NO_COLLISIONS,
     PLANES,
-    _named_density,
-    _with,
     at_densities,
     filled,
     gas_scene,
     lattice_check,
+    named_density,
     populations,
+    with_figures,
 )
 from crosscheck.convergence import extrapolate, worst
 from crosscheck.faults import Fault
@@ -251,7 +251,7 @@ def shear_wave_viscosities(laboratory: Laboratory, name: str, density: float, ro
 
 def _judge_shear(laboratory: Laboratory, variant: str) -> Judgement:
     """nu from the decay of a shear wave, beside Boltzmann's and Green-Kubo's; and the first step, which is exact."""
-    name, density = _named_density(variant)
+    name, density = named_density(variant)
     model = MODELS[name]
     theory = known.shear_viscosity(name, density)
     rows = 256 if theory > 0.3 else 128
@@ -270,7 +270,7 @@ def _judge_shear(laboratory: Laboratory, variant: str) -> Judgement:
     figure = _density_figure(
         "Shear viscosity over density", "nu", name, density, (value, u), lambda d: known.shear_viscosity(name, d)
     )
-    return _with(worst([_first_step(model, rest, stresses[0], "shear"), wave], note), (figure,))
+    return with_figures(worst([_first_step(model, rest, stresses[0], "shear"), wave], note), (figure,))
 
 
 def _density_figure(
@@ -316,7 +316,7 @@ def _sound(
 
 def _judge_sound_speed(laboratory: Laboratory, variant: str) -> Judgement:
     """omega/k of a standing wave on 512 rows against theory; the deviation on 256 rows tells that of order k^2."""
-    name, density = _named_density(variant)
+    name, density = named_density(variant)
     deviations, speeds = [], []
     for rows in (256, 512):
         k, theory, fits, _ = _sound(laboratory, name, density, 0.05, rows, 1024, 6 * rows)
@@ -351,12 +351,12 @@ def _judge_sound_speed(laboratory: Laboratory, variant: str) -> Judgement:
             ),
         ),
     )
-    return _with(judgement, figures)
+    return with_figures(judgement, figures)
 
 
 def _judge_attenuation(laboratory: Laboratory, variant: str) -> Judgement:
     """2 alpha/k^2 = nu + zeta/rho of a standing wave, beside Boltzmann's and Green-Kubo's; the first step is exact."""
-    name, density = _named_density(variant)
+    name, density = named_density(variant)
     model = MODELS[name]
     rows = 128
     k = wavenumber(model, rows)
@@ -400,7 +400,7 @@ def _judge_attenuation(laboratory: Laboratory, variant: str) -> Judgement:
                 series=(Series(name, signals.times.tolist(), mean.tolist()),),
             )
         )
-    return _with(worst(judgements, note), tuple(figures))
+    return with_figures(worst(judgements, note), tuple(figures))
 
 
 def longitudinal(name: str, density: float) -> float:
@@ -415,7 +415,7 @@ def longitudinal(name: str, density: float) -> float:
 
 def _judge_boltzmann(laboratory: Laboratory, variant: str) -> Judgement:
     """Decay of small waves in the nonlinear iteration: k^2 nu, c_s k and k^2 (nu + zeta/rho)/2, as k goes to 0."""
-    name, density = _named_density(variant)
+    name, density = named_density(variant)
     model = MODELS[name]
     # waves long beside the mean free path, which is that of slow relaxation
     scale = 1 if known.relaxation_rate(name, density) > 0.6 else 4
@@ -466,7 +466,7 @@ def _vanishes(label: str, wavenumbers: list[float], errors: list[float]) -> Judg
 
 def _judge_advection(laboratory: Laboratory, variant: str) -> Judgement:
     """A shear wave in a flow U along its wave vector drifts with g(rho) U, not with U."""
-    name, density = _named_density(variant)
+    name, density = named_density(variant)
     model = MODELS[name]
     rows, flow, amplitude = 256, 0.1, 0.025
     k = wavenumber(model, rows)
@@ -512,7 +512,7 @@ def _judge_advection(laboratory: Laboratory, variant: str) -> Judgement:
             Series(f"{name}: theory", axis, [known.galilean_factor(name, d) for d in axis], theory=True),
         ),
     )
-    return _with(judgement, (figure,))
+    return with_figures(judgement, (figure,))
 
 
 # -- channel ---------------------------------------------------------------------------------------------
@@ -586,7 +586,7 @@ def _judge_poiseuille(laboratory: Laboratory, variant: str) -> Judgement:
             Series(f"{variant}: theory", y.tolist(), (shape / wave[0]).tolist(), theory=True),
         ),
     )
-    return _with(worst(judgements, f"Boltzmann's nu {known.shear_viscosity(name, 0.5):.4g}"), (figure,))
+    return with_figures(worst(judgements, f"Boltzmann's nu {known.shear_viscosity(name, 0.5):.4g}"), (figure,))
 
 
 CHECKS = (

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from crosscheck.checks.lattice_gas import NAMES, _away, _named_density, at_densities, gas_scene, momentum
+from crosscheck.checks.lattice_gas import NAMES, _away, at_densities, gas_scene, momentum, named_density
 from crosscheck.checks.lattice_thesis import CELL, SAMPLES, Box, _cosine, _peak
 from crosscheck.checks.lattice_transport import decay_rate, longitudinal, standing_wave, wavenumber
 from crosscheck.scene import Occupations, Output
@@ -117,13 +117,13 @@ def test_momentum_is_in_whole_numbers(name: str) -> None:
 
 def test_names_of_variants() -> None:
     assert at_densities(("hpp", "fhp1"), (0.1, 0.25)) == ("hpp-d0.1", "hpp-d0.25", "fhp1-d0.1", "fhp1-d0.25")
-    assert _named_density("fhp_saturated_identity-d0.3") == ("fhp_saturated_identity", 0.3)
+    assert named_density("fhp_saturated_identity-d0.3") == ("fhp_saturated_identity", 0.3)
 
 
 @given(name=st.sampled_from(NAMES), density=st.integers(1, 99).map(lambda percent: percent / 100))
 def test_names_of_variants_are_read_back(name: str, density: float) -> None:
     (variant,) = at_densities((name,), (density,))
-    assert _named_density(variant) == (name, density)
+    assert named_density(variant) == (name, density)
 
 
 def test_rows_and_columns_of_a_scene() -> None:
