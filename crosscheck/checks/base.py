@@ -6,7 +6,7 @@ To add one: a module in `crosscheck/checks/` whose `CHECKS` is a tuple of `Check
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Literal
 
@@ -70,6 +70,21 @@ class Check:
     engines: tuple[str, ...] = ("refimpl",)
     tier: Tier = "quick"
     timing: bool = False
+
+
+def reference_check(
+    name: str,
+    title: str,
+    equation: str,
+    criterion: str,
+    citation: str,
+    judge: Callable[[Laboratory, str], Judgement],
+    variants: Sequence[str],
+    faults: tuple[tuple[str, Fault], ...],
+    tier: Tier = "full",
+) -> Check:
+    """A check of the reference implementation alone, with the same variants always."""
+    return Check(name, title, equation, criterion, citation, judge, fixed(*variants), faults, tier=tier)
 
 
 def fixed(*names: str) -> Variants:

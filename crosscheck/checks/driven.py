@@ -6,14 +6,12 @@ Balances that hold exactly are asked for to round-off, those of a steady state t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import Laboratory, reference_check
 from crosscheck.checks.fields import OBSERVABLES, column, energy_defect, run_on, run_whole, temperature
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
@@ -204,7 +202,7 @@ def _judge_shaken(laboratory: Laboratory) -> Judgement:
         ),
     )
     note = f"power {given.mean() / scene.duration:.4g}, {int(_last(runs, 'collisions').sum())} collisions"
-    return _with(worst(judgements, note), figures)
+    return worst(judgements, note, figures)
 
 
 def _curve(label: str, x: Floats, values: Floats) -> Series:
@@ -225,10 +223,6 @@ def _significant(values: Floats, quantity: str) -> Judgement:
         f"Student's t of {len(values)} stretches, false-alarm rate {FALSE_ALARM:g}; the difference is {mean.value:.4g}",
         at_least=True,
     )
-
-
-def _with(judgement: Judgement, figures: tuple[Figure, ...]) -> Judgement:
-    return replace(judgement, figures=figures)
 
 
 # -- an elastic column at rest -------------------------------------------------------------------------
@@ -332,8 +326,8 @@ def _judge_column(laboratory: Laboratory) -> Judgement:
             Series("barometric, with Z", z[:12].tolist(), curve.tolist(), theory=True),
         ),
     )
-    return _with(
-        worst(judgements, f"T = {warm:.4g}, packing fraction at the floor {load / warm * math.pi / 4:.3g}"), (figure,)
+    return worst(
+        judgements, f"T = {warm:.4g}, packing fraction at the floor {load / warm * math.pi / 4:.3g}", (figure,)
     )
 
 
@@ -393,7 +387,7 @@ def _judge_channel(laboratory: Laboratory, variant: str) -> Judgement:
         ),
     )
     note = f"mean speed {speed.mean():.4g}, {int(_last(runs, 'collisions').sum())} collisions"
-    return _with(worst(judgements, note), figures)
+    return worst(judgements, note, figures)
 
 
 # -- a drum --------------------------------------------------------------------------------------------
@@ -503,7 +497,7 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
     )
     collisions = " and ".join(f"{int(run.tallies['collisions'][-1])}" for run in runs)
     note = f"angle {angles[0].value:.2f} +- {angles[0].error:.2f} degrees; {collisions} collisions"
-    return _with(worst(judgements, note), figures)
+    return worst(judgements, note, figures)
 
 
 def _difference(quantity: str, one: Mean, other: Mean, why: str, doubt: float = 0.0) -> Judgement:
@@ -691,7 +685,7 @@ def _judge_heat(laboratory: Laboratory, variant: str) -> Judgement:
         ]
     jumps = 4.0 - (1.5 * hot[:, 0] - 0.5 * hot[:, 1]).mean(), (1.5 * hot[:, -1] - 0.5 * hot[:, -2]).mean() - 1.0
     note = f"q = {q:.4g}, p = {pressure.mean():.4g}, jumps of T at the walls about {jumps[0]:.2g} and {jumps[1]:.2g}"
-    return _with(worst(judgements, note), tuple(figures))
+    return worst(judgements, note, tuple(figures))
 
 
 # -- snapshots -----------------------------------------------------------------------------------------
@@ -823,40 +817,17 @@ def _judge_clusters(positions: Floats, length: float) -> Judgement:
     )
 
 
-def _check(
-    name: str,
-    title: str,
-    equation: str,
-    criterion: str,
-    citation: str,
-    judge: Callable[[Laboratory, str], Judgement],
-    faults: tuple[tuple[str, Fault], ...],
-    variants: tuple[str, ...],
-) -> Check:
-    return Check(
-        name=f"events/{name}",
-        title=title,
-        equation=equation,
-        criterion=criterion,
-        citation=citation,
-        judge=judge,
-        variants=fixed(*variants),
-        faults=faults,
-        tier="full",
-    )
-
-
 _MEASURE = "events/kernels/measure.py"
 CHECKS = (
-    _check(
-        "drum",
+    reference_check(
+        "events/drum",
         "Rough disks in a turning drum: angle of the surface, work of the wall, torque of the weight",
         "d(K+U)/dt = wall - dissipation; torque of the wall = M g x_cm in the mean; angle converges as t_c -> 0",
         "round-off for the budget of the run; standard errors of correlated samples for the rest",
         "S. Luding and S. McNamara, Granular Matter 1, 113 (1998); O. R. Walton, in Particulate Two-Phase Flow (1993); "
         "G. H. Ristow, Pattern Formation in Granular Materials, Springer (2000)",
         _judge_drum,
-        (
+        faults=(
             (
                 "disks",
                 Fault(
@@ -868,17 +839,17 @@ CHECKS = (
                 ),
             ),
         ),
-        ("disks",),
+        variants=("disks",),
     ),
-    _check(
-        "heat-conduction",
+    reference_check(
+        "events/heat-conduction",
         "Elastic disks and spheres between two thermal walls: flux, pressure, temperature, conductivity",
         "q = -kappa dT/dx, uniform; kappa of Enskog: lambda_0 b n (1/y + 3/2 + 0.8718 y) for disks",
         "standard error of stretches; the conductivity to 3 % (2D), 2 % (3D), the doubt in Enskog's theory",
         "D. M. Gass, J. Chem. Phys. 54, 1898 (1971); B. J. Alder, D. M. Gass and T. E. Wainwright, J. Chem. Phys. 53, "
         "3813 (1970); D. Risso and P. Cordero, J. Stat. Phys. 82, 1453 (1996)",
         _judge_heat,
-        (
+        faults=(
             (
                 "2d",
                 Fault(
@@ -890,17 +861,17 @@ CHECKS = (
                 ),
             ),
         ),
-        ("2d", "3d"),
+        variants=("2d", "3d"),
     ),
-    _check(
-        "pipe-flow",
+    reference_check(
+        "events/pipe-flow",
         "Rough inelastic disks fall down a channel with rough walls: momentum and energy in the steady state",
         "drag of the walls = M g; g.p = dissipation in pairs and at walls; stress(y) = g (mass below - M/2)",
         "round-off for the budget of the run; standard error of stretches for the rest",
         "R. Soto, P. Cordero and D. Risso, SCAT workshop, Valparaiso (2007); J. T. Jenkins and M. W. Richman, J. Fluid "
         "Mech. 171, 53 (1986)",
         _judge_channel,
-        (
+        faults=(
             (
                 "channel",
                 Fault(
@@ -912,17 +883,17 @@ CHECKS = (
                 ),
             ),
         ),
-        ("channel",),
+        variants=("channel",),
     ),
-    _check(
-        "snapshots",
+    reference_check(
+        "events/snapshots",
         "Snapshots of a dilute gas of disks: long density waves against the compressibility, and clusters",
         "<|n(k)|^2>/N -> 1/(d(eta Z)/deta) for k -> 0; share with a neighbour: n int g - (n^2/2) int int e",
         "standard error of the correlated series of snapshots",
         "J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, sections 2.6, 3.5; S. Luding, Phys. Rev. E 63, "
         "042201 (2001)",
         _judge_snapshots,
-        (
+        faults=(
             (
                 "modes",
                 Fault(
@@ -934,17 +905,17 @@ CHECKS = (
                 ),
             ),
         ),
-        ("modes", "clusters"),
+        variants=("modes", "clusters"),
     ),
-    _check(
-        "vibrated-bed",
+    reference_check(
+        "events/vibrated-bed",
         "Disks under gravity: inelastic on a shaken floor, elastic on a floor at rest",
         "floor's power = dissipation, force = M g, flux of momentum = weight above; elastic: U/K = 2N/(2N-1) <Z>_p",
         "round-off for the budget of the run; standard error of stretches for the rest",
         "J. J. Brey, M. J. Ruiz-Montero and F. Moreno, Phys. Rev. E 63, 061305 (2001); R. Soto, P. Cordero and D. "
         "Risso, SCAT workshop, Valparaiso (2007)",
         _judge_bed,
-        (
+        faults=(
             (
                 "shaken",
                 Fault(
@@ -966,6 +937,6 @@ CHECKS = (
                 ),
             ),
         ),
-        ("shaken", "elastic"),
+        variants=("shaken", "elastic"),
     ),
 )

@@ -6,13 +6,12 @@ Literature: S. McNamara and W. R. Young, Phys. Fluids A 4, 496 (1992); S. McNama
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import Laboratory, reference_check
 from crosscheck.checks.granular_gas import reported_time
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
@@ -424,116 +423,109 @@ def _judge_sawtooth(laboratory: Laboratory, variant: str) -> Judgement:
 # -- the checks --------------------------------------------------------------------------------------------------------
 
 
-def _check(
-    name: str, title: str, equation: str, criterion: str, citation: str, judge: Any, variants: Sequence[str],
-    *faults: tuple[str, Fault],
-) -> Check:  # fmt: skip
-    return Check(
-        name=f"events/{name}",
-        title=title,
-        equation=equation,
-        criterion=criterion,
-        citation=citation,
-        judge=judge,
-        variants=fixed(*variants),
-        faults=faults,
-        tier="full",
-    )
-
-
 CHECKS = (
-    _check(
-        "zeno",
+    reference_check(
+        "events/zeno",
         "A ball that comes to rest on a floor: infinitely many impacts in a finite time",
         "t = sqrt(2 h/g) (1 + e)/(1 - e), path h (1 + e^2)/(1 - e^2)",
         "time of the reported collapse, times of impacts and path, to the rounding of the clock",
         "McNamara & Young, Phys. Fluids A 4, 496 (1992)",
         _judge_zeno,
-        ("e0.5", "e0.8", "e0.9", "e0.95"),
-        (
-            "e0.8",
-            Fault(
-                "floor-restitution-squared",
-                "events/rules.py",
-                "rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * v)",
-                "rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * alpha * v)",
-                "walls rebound with the square of the restitution",
+        variants=("e0.5", "e0.8", "e0.9", "e0.95"),
+        faults=(
+            (
+                "e0.8",
+                Fault(
+                    "floor-restitution-squared",
+                    "events/rules.py",
+                    "rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * v)",
+                    "rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * alpha * v)",
+                    "walls rebound with the square of the restitution",
+                ),
             ),
         ),
     ),
-    _check(
-        "vibrating-floor",
+    reference_check(
+        "events/vibrating-floor",
         "Elastic balls on a sinusoidal floor, and a shaken column: no impact missed, nobody lost",
         "z + v s - g s^2/2 = A cos(omega (t + s)), A omega^2/g from 0.1 to 100",
         "every interval of every ball against an independent root finder in long double, to rounding",
         "Soto, Phys. Rev. E 69, 061305 (2004)",
         _judge_vibrating,
-        ("0.1", "1", "10", "100", "column-0.1", "column-1", "column-3", "column-10", "column-100"),
-        (
-            "10",
-            Fault(
-                "steps-too-long",
-                "events/prediction.py",
-                "steepest = abs(a) + amplitude * frequency * frequency",
-                "steepest = abs(a) + 0.25 * amplitude * frequency * frequency",
-                "the search for the next impact passes roots",
+        variants=("0.1", "1", "10", "100", "column-0.1", "column-1", "column-3", "column-10", "column-100"),
+        faults=(
+            (
+                "10",
+                Fault(
+                    "steps-too-long",
+                    "events/prediction.py",
+                    "steepest = abs(a) + amplitude * frequency * frequency",
+                    "steepest = abs(a) + 0.25 * amplitude * frequency * frequency",
+                    "the search for the next impact passes roots",
+                ),
             ),
         ),
     ),
-    _check(
-        "random-phase",
+    reference_check(
+        "events/random-phase",
         "Floors that draw their phase at each impact: uniform, or weighted with the speed of approach",
         "<dE> = V0^2 (uniform), 2 V0^2 (flux) for u >= 2 V0; below, with the impacts that follow at once",
         f"mean over {GRAINS} grains",
         "McNamara & Barrat, Phys. Rev. E 55, 7767 (1997); Soto, Phys. Rev. E 69, 061305 (2004)",
         _judge_random,
-        [f"{law}-u{u:g}" for law in ("uniform", "flux") for u in SPEEDS],
-        (
-            "flux-u2",
-            Fault(
-                "flux-as-uniform",
-                "events/rules.py",
-                "if own > v and (motion == UNIFORM_PHASE or chance * (abs(top) - v) < own - v):",
-                "if own > v and (motion == UNIFORM_PHASE or chance < 2.0):",
-                "the flux law draws uniform phases",
+        variants=[f"{law}-u{u:g}" for law in ("uniform", "flux") for u in SPEEDS],
+        faults=(
+            (
+                "flux-u2",
+                Fault(
+                    "flux-as-uniform",
+                    "events/rules.py",
+                    "if own > v and (motion == UNIFORM_PHASE or chance * (abs(top) - v) < own - v):",
+                    "if own > v and (motion == UNIFORM_PHASE or chance < 2.0):",
+                    "the flux law draws uniform phases",
+                ),
             ),
         ),
     ),
-    _check(
-        "small-amplitude",
+    reference_check(
+        "events/small-amplitude",
         "A floor of small amplitude and high frequency: which law its visits tend to",
         "<dE>(A -> 0, A omega = V0) = that of a visit in the limit: 2 V0^2, the flux law's, for u >= 3 V0",
         f"mean over {PHASES} equally spaced phases at A = {', '.join(f'{a:g}' for a in AMPLITUDES)}",
         "McNamara & Barrat, Phys. Rev. E 55, 7767 (1997)",
         _judge_limit,
-        [f"u{u:g}" for u in SPEEDS],
-        (
-            "u2",
-            Fault(
-                "floor-half-as-fast",
-                "events/rules.py",
-                "return -numbers[AMPLITUDE] * frequency * math.sin(numbers[PHASE] + frequency * now)",
-                "return -0.5 * numbers[AMPLITUDE] * frequency * math.sin(numbers[PHASE] + frequency * now)",
-                "the floor's velocity is half of what its place says",
+        variants=[f"u{u:g}" for u in SPEEDS],
+        faults=(
+            (
+                "u2",
+                Fault(
+                    "floor-half-as-fast",
+                    "events/rules.py",
+                    "return -numbers[AMPLITUDE] * frequency * math.sin(numbers[PHASE] + frequency * now)",
+                    "return -0.5 * numbers[AMPLITUDE] * frequency * math.sin(numbers[PHASE] + frequency * now)",
+                    "the floor's velocity is half of what its place says",
+                ),
             ),
         ),
     ),
-    _check(
-        "sawtooth",
+    reference_check(
+        "events/sawtooth",
         "A floor that always moves up: the limit of a sawtooth",
         "dE = 2 V0 (V0 + u) for e = 1; v' = (1 + e) V0 + e u",
         "each grain, to rounding",
         "McNamara & Barrat, Phys. Rev. E 55, 7767 (1997)",
         _judge_sawtooth,
-        ("e1", "e0.9"),
-        (
-            "e1",
-            Fault(
-                "floor-velocity-once",
-                "events/rules.py",
-                "rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * v)",
-                "rows[i, 3 + axis] = inwards * (own - alpha * v)",
-                "the floor's velocity counts once instead of 1 + alpha times",
+        variants=("e1", "e0.9"),
+        faults=(
+            (
+                "e1",
+                Fault(
+                    "floor-velocity-once",
+                    "events/rules.py",
+                    "rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * v)",
+                    "rows[i, 3 + axis] = inwards * (own - alpha * v)",
+                    "the floor's velocity counts once instead of 1 + alpha times",
+                ),
             ),
         ),
     ),

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Laboratory
-from crosscheck.checks.lattice_gas import PLANES, filled, gas_scene, lattice_check, populations, with_figures
+from crosscheck.checks.base import Laboratory, reference_check
+from crosscheck.checks.lattice_gas import PLANES, filled, gas_scene, populations
 from crosscheck.checks.lattice_transport import shear_wave_viscosities
 from crosscheck.convergence import worst
 from crosscheck.faults import Fault
@@ -139,7 +139,7 @@ def _judge_street(laboratory: Laboratory, variant: str) -> Judgement:
         f"Re = g U D/nu = {reynolds:.0f}, U = {mean_speed:.3f}, period {1 / frequencies[0]:.0f}, "
         f"blockage {blockage:.2f}"
     )
-    return with_figures(worst(judgements, note), figures)
+    return worst(judgements, note, figures)
 
 
 def _line(times: Floats, signal: Floats) -> tuple[float, float]:
@@ -257,7 +257,7 @@ def _judge_layer(laboratory: Laboratory, variant: str) -> Judgement:
         f"Re = g U delta/nu = {g * speed * width / nu:.0f}, k delta = {k * width:.3f}; without viscosity "
         f"{inviscid:.3g} at most"
     )
-    return with_figures(worst(judgements, note), figures)
+    return worst(judgements, note, figures)
 
 
 def _in_blocks(v: Any, blocks: int) -> Any:
@@ -273,8 +273,8 @@ def _rate(times: Floats, values: Floats) -> float:
 
 
 CHECKS = (
-    lattice_check(
-        "vortex-street",
+    reference_check(
+        "lattice/vortex-street",
         "A plate across the flow sheds a vortex street",
         "St = f D/(g U)",
         "one line in the spectrum; a Strouhal number as of normal plates",
@@ -294,8 +294,8 @@ CHECKS = (
             ),
         ),
     ),
-    lattice_check(
-        "kelvin-helmholtz",
+    reference_check(
+        "lattice/kelvin-helmholtz",
         "Two shear layers roll up: growth of a wave",
         "d zeta/dt = -i k g U zeta + i k g U'' phi + nu (d^2/dy^2 - k^2) zeta",
         "growth rate of the linear theory of the spreading flow",

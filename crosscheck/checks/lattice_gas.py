@@ -6,18 +6,16 @@ Units: links and steps; d is the mean occupation of a channel.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, Tier, fixed
+from crosscheck.checks.base import Laboratory, reference_check
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
-from crosscheck.scene import Floats, LatticeGas, Method, Obstacle, Occupations, Output, Scene
+from crosscheck.scene import Floats, LatticeGas, Method, Obstacle, Occupations, Output, Scene, Wave
 from crosscheck.statistics import correlated_mean, independent_mean
 from crosscheck.verdict import Figure, Judgement, Series, bounded, round_off, statistical
 from refimpl.lattice.models import MODELS, Model
@@ -79,31 +77,6 @@ def populations(run: Run) -> Floats:
 def momentum(model: Model, counts: Floats) -> Floats:
     """Sum of c_i over the particles, (..., 2), in units of `velocities.unit`: whole numbers."""
     return counts @ np.array(model.velocities.integers, dtype=float)
-
-
-def lattice_check(
-    name: str,
-    title: str,
-    equation: str,
-    criterion: str,
-    citation: str,
-    judge: Callable[[Laboratory, str], Judgement],
-    variants: tuple[str, ...],
-    faults: tuple[tuple[str, Fault], ...],
-    tier: Tier = "full",
-) -> Check:
-    """A check of the group `lattice`, on the suite's own engine."""
-    return Check(
-        name=f"lattice/{name}",
-        title=title,
-        equation=equation,
-        criterion=criterion,
-        citation=citation,
-        judge=judge,
-        variants=fixed(*variants),
-        faults=faults,
-        tier=tier,
-    )
 
 
 # -- exact ---------------------------------------------------------------------------------------------
@@ -285,8 +258,8 @@ def _judge_equilibrium(laboratory: Laboratory, variant: str) -> Judgement:
             Series(f"{name}: Fermi-Dirac", axis, expected.tolist(), theory=True),
         ),
     )
-    found = worst(judgements, f"the expansion to u^2 is off by {np.abs(expansion - expected).max():.2g}")
-    return with_figures(found, (figure,))
+    note = f"the expansion to u^2 is off by {np.abs(expansion - expected).max():.2g}"
+    return worst(judgements, note, (figure,))
 
 
 def _away(model: Model, f: Floats) -> Floats:
@@ -296,11 +269,6 @@ def _away(model: Model, f: Floats) -> Floats:
     direction = np.linalg.svd(charges)[2][-1]
     room = np.where(direction > 0, (1 - f) / np.maximum(direction, 1e-30), f / np.maximum(-direction, 1e-30)).min()
     return f + 0.5 * room * direction
-
-
-def with_figures(judgement: Judgement, figures: tuple[Figure, ...]) -> Judgement:
-    """The judgement with these figures alone."""
-    return replace(judgement, figures=figures)
 
 
 def _judge_pressure(laboratory: Laboratory, variant: str) -> Judgement:
@@ -358,7 +326,7 @@ def _judge_pressure(laboratory: Laboratory, variant: str) -> Judgement:
             Series(f"{name}: equilibrium", np.degrees(angles).tolist(), theory, theory=True),
         ),
     )
-    return with_figures(worst(judgements, f"u = {speed:g}, {size} x {size} sites"), (figure,))
+    return worst(judgements, f"u = {speed:g}, {size} x {size} sites", (figure,))
 
 
 # -- H theorem -------------------------------------------------------------------------------------------
@@ -383,8 +351,8 @@ def _h_of_boltzmann(laboratory: Laboratory, name: str) -> Judgement:
             0.35,
             laboratory.seed(),
             waves=(
-                {"of": "density", "amplitude": 0.2, "mode": (1.0, 2.0)},
-                {"of": "velocity_x", "amplitude": 0.2, "mode": (0.0, 1.0)},
+                Wave(of="density", amplitude=0.2, mode=(1.0, 2.0)),
+                Wave(of="velocity_x", amplitude=0.2, mode=(0.0, 1.0)),
             ),
         ),
         Output(interval=1, observables=("h_function",)),
@@ -472,8 +440,8 @@ def _h_of_ensemble(laboratory: Laboratory, name: str) -> Judgement:
 _AT = (0.2, 0.4)
 
 CHECKS = (
-    lattice_check(
-        "conservation",
+    reference_check(
+        "lattice/conservation",
         "Mass and momentum of lattice gases, in whole particles",
         "sum_i s_i, sum_i c_i s_i",
         "not one particle, nor a unit of momentum",
@@ -493,8 +461,8 @@ CHECKS = (
             ),
         ),
     ),
-    lattice_check(
-        "evolvers",
+    reference_check(
+        "lattice/evolvers",
         "Bit planes, table look-up and NumPy move the same gas",
         "s(t + 1) = C S s(t)",
         "not one bit differs",
@@ -515,8 +483,8 @@ CHECKS = (
         ),
         tier="quick",
     ),
-    lattice_check(
-        "reversal",
+    reference_check(
+        "lattice/reversal",
         "HPP runs backwards to where it came from",
         "(R C)(C S)^n (R C)(C S)^n = 1",
         "the identical lattice",
@@ -537,8 +505,8 @@ CHECKS = (
         ),
         tier="quick",
     ),
-    lattice_check(
-        "equilibrium",
+    reference_check(
+        "lattice/equilibrium",
         "A moving gas relaxes to the Fermi-Dirac distribution",
         "f_i = 1/(1 + exp(h + q.c_i))",
         "every channel within its standard error",
@@ -547,8 +515,8 @@ CHECKS = (
         at_densities(NAMES, _AT),
         (("fhp_saturated-d0.2", ONE_OUTCOME), ("hpp-d0.2", NO_COLLISIONS)),
     ),
-    lattice_check(
-        "pressure-tensor",
+    reference_check(
+        "lattice/pressure-tensor",
         "Momentum flux of a uniform flow: isotropic for FHP, not for HPP",
         "P_ab = c^2/2 rho delta_ab + rho G(rho) T_abcd u_c u_d",
         "within the standard error of the exact equilibrium",
@@ -557,8 +525,8 @@ CHECKS = (
         at_densities(NAMES, (0.2,)),
         (("fhp_saturated-d0.2", ONE_OUTCOME),),
     ),
-    lattice_check(
-        "h-theorem",
+    reference_check(
+        "lattice/h-theorem",
         "H of the lattice Boltzmann iteration, and of an ensemble of gases, never increases",
         "H = sum f ln f + (1 - f) ln(1 - f)",
         "no rise beyond rounding, or beyond the noise of the ensemble",

@@ -10,15 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Laboratory
+from crosscheck.checks.base import Laboratory, reference_check
 from crosscheck.checks.lattice_gas import (
     NO_COLLISIONS,
     PLANES,
     filled,
     gas_scene,
-    lattice_check,
     populations,
-    with_figures,
 )
 from crosscheck.checks.lattice_transport import shear_wave_viscosities, standing_wave
 from crosscheck.convergence import worst
@@ -152,7 +150,7 @@ def _hpp_box(laboratory: Laboratory) -> Judgement:
         f"{', '.join(f'{10 * SAMPLES / peak:.1f}' for peak in sorted(peaks))}. "
         f"Right: T = {2 * math.pi / fits[:, 1].mean():.1f}, c = {speed:.4f}({u:.1g})"
     )
-    return with_figures(worst(judgements, note), (_curve("HPP box, d = 0.5", "crest, cell 15", box, 15),))
+    return worst(judgements, note, (_curve("HPP box, d = 0.5", "crest, cell 15", box, 15),))
 
 
 def _hpp_periodic(laboratory: Laboratory) -> Judgement:
@@ -287,7 +285,7 @@ def _judge_fhp(laboratory: Laboratory, variant: str) -> Judgement:
             Series("Boltzmann", d_axis, [known.shear_viscosity(FHP, d) for d in d_axis], theory=True),
         ),
     )
-    return with_figures(worst(judgements, note), (figure, _curve(f"FHP box, d = {density:g}", "crest, cell 8", box, 8)))
+    return worst(judgements, note, (figure, _curve(f"FHP box, d = {density:g}", "crest, cell 8", box, 8)))
 
 
 def _curve(title: str, label: str, box: Box, strip: int) -> Figure:
@@ -301,8 +299,8 @@ def _curve(title: str, label: str, box: Box, strip: int) -> Figure:
 
 
 CHECKS = (
-    lattice_check(
-        "thesis-hpp",
+    reference_check(
+        "lattice/thesis-hpp",
         "Thesis, experiment 1: sound of HPP in a box, and with periodic edges",
         "c = 2 L/T, T of the first cosine",
         "c of the right method within its standard error; the thesis's peaks replicated, its period explained",
@@ -311,8 +309,8 @@ CHECKS = (
         ("box", "periodic"),
         (("box", NO_COLLISIONS),),
     ),
-    lattice_check(
-        "thesis-fhp",
+    reference_check(
+        "lattice/thesis-fhp",
         "Thesis, experiment 2: sound of FHP in a box, its period, sound speed and viscosity",
         "s^2/(1 - tanh(q)/q) + nu k^2 s + c^2 k^2 = 0, q = (H/2)(s/nu)^(1/2)",
         "damping and frequency of a channel with no-slip walls; the thesis's numbers replicated by its method",

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Laboratory
+from crosscheck.checks.base import Laboratory, reference_check
 from crosscheck.checks.lattice_gas import (
     BOLTZMANN,
     FHP,
@@ -25,10 +25,8 @@ from crosscheck.checks.lattice_gas import (
     at_densities,
     filled,
     gas_scene,
-    lattice_check,
     named_density,
     populations,
-    with_figures,
 )
 from crosscheck.convergence import extrapolate, worst
 from crosscheck.faults import Fault
@@ -48,7 +46,6 @@ _BY_MEMBERS = f"standard error of {MEMBERS} gases"
 class Signals(NamedTuple):
     """Amplitudes of the first mode along y, (members, samples): 2/N sum q exp(-i k y). times (samples,)."""
 
-    wavenumber: float
     times: Floats
     values: Any
 
@@ -84,7 +81,7 @@ def measure_mode(
         scene = gas_scene("wave", name, rows, columns, steps, start, output)
         counts = populations(laboratory.run(scene, method))[:, 0]
         found.append(counts @ quantity(model) @ phases * 2 / (rows * columns))
-    return Signals(k, np.arange(0, steps + 1, every), np.array(found))
+    return Signals(np.arange(0, steps + 1, every), np.array(found))
 
 
 def _mass(model: Model) -> Floats:
@@ -194,8 +191,8 @@ def _against_green_kubo(
     found: Fluctuations,
     rate: float,
     frequency: float = 0.0,
-) -> tuple[Judgement, float, float]:
-    """A coefficient measured by a wave against that of the fluctuations, of its frequency.
+) -> tuple[Judgement, str]:
+    """A coefficient measured by a wave against that of the fluctuations, of its frequency; and a note of all values.
 
     boltzmann: at this k and at k = 0. rate: of the wave's decay; two modes of its lattice decay at least at half of
     it, so the stress remembers no longer than 2/rate. Where noise has the better of the tail, the sum ends earlier.
@@ -221,9 +218,12 @@ def _against_green_kubo(
         f"{_BY_MEMBERS}; Green-Kubo to lag {until}, uncertain by what its last two doublings add (where a wave cuts "
         "the long-time tail off is known to a factor only) and by the correction for the wavelength",
         samples=MEMBERS,
-        note=f"{label}: measured/Boltzmann {value / boltzmann[0]:.3f}({u / boltzmann[0]:.3f})",
     )
-    return judgement, green_kubo, error
+    note = (
+        f"Boltzmann {boltzmann[1]:.4g} (at this k {boltzmann[0]:.4g}), measured {value:.4g}({u:.2g}), "
+        f"Green-Kubo {green_kubo:.4g}({error:.2g})"
+    )
+    return judgement, note
 
 
 # -- shear -----------------------------------------------------------------------------------------------
@@ -261,16 +261,11 @@ def _judge_shear(laboratory: Laboratory, variant: str) -> Judgement:
     c = model.velocities.cartesian
     stresses = [c[:, 0] * c[:, 1], (c[:, 0] ** 2 - c[:, 1] ** 2) / 2]
     rest = fluctuations(laboratory, name, density, stresses, rows)
-    wave, green_kubo, error = _against_green_kubo("nu", measured, (at_k / k**2, theory), rest, at_k)
-    value, u = independent_mean(measured)
-    note = (
-        f"Boltzmann {theory:.4g} (at this k {at_k / k**2:.4g}), measured {value:.4g}({u:.2g}), "
-        f"Green-Kubo {green_kubo:.4g}({error:.2g}); {rows} rows, u0 = 0.1"
-    )
+    wave, note = _against_green_kubo("nu", measured, (at_k / k**2, theory), rest, at_k)
     figure = _density_figure(
-        "Shear viscosity over density", "nu", name, density, (value, u), lambda d: known.shear_viscosity(name, d)
+        "Shear viscosity over density", "nu", name, density, measured, lambda d: known.shear_viscosity(name, d)
     )
-    return with_figures(worst([_first_step(model, rest, stresses[0], "shear"), wave], note), (figure,))
+    return worst([_first_step(model, rest, stresses[0], "shear"), wave], f"{note}; {rows} rows, u0 = 0.1", (figure,))
 
 
 def _density_figure(
@@ -278,10 +273,11 @@ def _density_figure(
     label: str,
     name: str,
     density: float,
-    value: tuple[float, float],
+    measured: list[float],
     theory: Callable[[float], float],
 ) -> Figure:
-    """The point of this verdict, and the curve of the theory."""
+    """The point of this verdict, the mean of what was measured, and the curve of the theory."""
+    value, u = independent_mean(measured)
     axis = np.linspace(0.08, 0.62, 55)
     return Figure(
         title,
@@ -289,7 +285,7 @@ def _density_figure(
         label,
         y_scale="log",
         series=(
-            Series(f"{name}", [density], [value[0]], error=[value[1]]),
+            Series(name, [density], [value], error=[u]),
             Series(f"{name}: Boltzmann", axis.tolist(), [theory(d) for d in axis.tolist()], theory=True),
         ),
     )
@@ -328,18 +324,6 @@ def _judge_sound_speed(laboratory: Laboratory, variant: str) -> Judgement:
     # one dimension, where frequencies deviate by k^(3/2): 2^(-1/2) is left
     remains = 0.25 if name != "hpp" else math.sqrt(0.5)
     left = abs(deviations[0] - deviations[1]) * remains / (1 - remains)
-    judgement = statistical(
-        "c = omega/k",
-        value,
-        u,
-        expected,
-        left,
-        f"{_BY_MEMBERS}; Boltzmann at this k, uncertain by what the change from 256 to 512 rows says is left",
-        samples=MEMBERS,
-        needed=None if name == "hpp" else 0.02,
-        note=f"c_s {known.SOUND_SPEED[name]:.5f}, with the viscous correction {expected:.5f}; "
-        f"256 rows: {speeds[0][0]:.5f}({speeds[0][1]:.1g})",
-    )
     figures = (
         Figure(
             "Sound speed over density",
@@ -351,7 +335,19 @@ def _judge_sound_speed(laboratory: Laboratory, variant: str) -> Judgement:
             ),
         ),
     )
-    return with_figures(judgement, figures)
+    return statistical(
+        "c = omega/k",
+        value,
+        u,
+        expected,
+        left,
+        f"{_BY_MEMBERS}; Boltzmann at this k, uncertain by what the change from 256 to 512 rows says is left",
+        samples=MEMBERS,
+        needed=None if name == "hpp" else 0.02,
+        note=f"c_s {known.SOUND_SPEED[name]:.5f}, with the viscous correction {expected:.5f}; "
+        f"256 rows: {speeds[0][0]:.5f}({speeds[0][1]:.1g})",
+        figures=figures,
+    )
 
 
 def _judge_attenuation(laboratory: Laboratory, variant: str) -> Judgement:
@@ -362,21 +358,14 @@ def _judge_attenuation(laboratory: Laboratory, variant: str) -> Judgement:
     k = wavenumber(model, rows)
     at_k = modes(model, density, (0.0, k)).sound_damping
     steps = int(min(1.2 / at_k, 4000))
-    k, _, fits, signals = _sound(laboratory, name, density, 0.1, rows, 1024, steps)
+    _, _, fits, signals = _sound(laboratory, name, density, 0.1, rows, 1024, steps)
     measured = (2 * fits[:, 0] / k**2).tolist()
     c = model.velocities.cartesian
     weights = c[:, 1] ** 2 - known.SOUND_SPEED[name] ** 2
     rest = fluctuations(laboratory, name, density, [weights], rows)
     theory = longitudinal(name, density)
     omega = float(fits[:, 1].mean())
-    wave, green_kubo, error = _against_green_kubo(
-        "nu + zeta/rho", measured, (2 * at_k / k**2, theory), rest, 2 * at_k, omega
-    )
-    value, u = independent_mean(measured)
-    note = (
-        f"Boltzmann {theory:.4g} (at this k {2 * at_k / k**2:.4g}), measured {value:.4g}({u:.2g}), "
-        f"Green-Kubo {green_kubo:.4g}({error:.2g})"
-    )
+    wave, note = _against_green_kubo("nu + zeta/rho", measured, (2 * at_k / k**2, theory), rest, 2 * at_k, omega)
     judgements = [wave]
     if not model.velocities.rest:  # with a rest particle two rates mix in this moment
         judgements.append(_first_step(model, rest, weights, "sound"))
@@ -386,7 +375,7 @@ def _judge_attenuation(laboratory: Laboratory, variant: str) -> Judgement:
             "2 alpha/k^2",
             name,
             density,
-            (value, u),
+            measured,
             lambda d: longitudinal(name, d),
         )
     ]
@@ -400,7 +389,7 @@ def _judge_attenuation(laboratory: Laboratory, variant: str) -> Judgement:
                 series=(Series(name, signals.times.tolist(), mean.tolist()),),
             )
         )
-    return with_figures(worst(judgements, note), tuple(figures))
+    return worst(judgements, note, tuple(figures))
 
 
 def longitudinal(name: str, density: float) -> float:
@@ -492,16 +481,6 @@ def _judge_advection(laboratory: Laboratory, variant: str) -> Judgement:
     value, u = independent_mean(drifts)
     expected = theory.shear_frequency / (k * flow)
     plain = known.galilean_factor(name, density)
-    judgement = statistical(
-        "g = drift/(k U)",
-        value,
-        u,
-        expected,
-        amplitude**2,
-        f"{_BY_MEMBERS}; Boltzmann at this k and U, the wave's amplitude squared for its own nonlinearity",
-        samples=MEMBERS,
-        note=f"g(rho) {plain:.4f}; at U = {flow:g} and this k {expected:.4f}",
-    )
     axis = np.linspace(0.08, 0.62, 55).tolist()
     figure = Figure(
         "Advection: g over density",
@@ -512,7 +491,17 @@ def _judge_advection(laboratory: Laboratory, variant: str) -> Judgement:
             Series(f"{name}: theory", axis, [known.galilean_factor(name, d) for d in axis], theory=True),
         ),
     )
-    return with_figures(judgement, (figure,))
+    return statistical(
+        "g = drift/(k U)",
+        value,
+        u,
+        expected,
+        amplitude**2,
+        f"{_BY_MEMBERS}; Boltzmann at this k and U, the wave's amplitude squared for its own nonlinearity",
+        samples=MEMBERS,
+        note=f"g(rho) {plain:.4f}; at U = {flow:g} and this k {expected:.4f}",
+        figures=(figure,),
+    )
 
 
 # -- channel ---------------------------------------------------------------------------------------------
@@ -586,12 +575,12 @@ def _judge_poiseuille(laboratory: Laboratory, variant: str) -> Judgement:
             Series(f"{variant}: theory", y.tolist(), (shape / wave[0]).tolist(), theory=True),
         ),
     )
-    return with_figures(worst(judgements, f"Boltzmann's nu {known.shear_viscosity(name, 0.5):.4g}"), (figure,))
+    return worst(judgements, f"Boltzmann's nu {known.shear_viscosity(name, 0.5):.4g}", (figure,))
 
 
 CHECKS = (
-    lattice_check(
-        "shear-viscosity",
+    reference_check(
+        "lattice/shear-viscosity",
         "Decay of shear waves: viscosity beside Boltzmann's and Green-Kubo's",
         "u_x(y, t) = u_0 sin(k y) exp(-nu k^2 t), nu = (1/lambda - 1/2)/4",
         "first step of the stress exactly 1 - lambda; nu as the fluctuations at rest have it",
@@ -611,8 +600,8 @@ CHECKS = (
             ),
         ),
     ),
-    lattice_check(
-        "sound-speed",
+    reference_check(
+        "lattice/sound-speed",
         "Standing sound waves: frequency over wave number",
         "c^2 = <c_i^2>/D; with the viscous correction of Boltzmann's modes at this k",
         "within the standard error",
@@ -632,8 +621,8 @@ CHECKS = (
             ),
         ),
     ),
-    lattice_check(
-        "sound-attenuation",
+    reference_check(
+        "lattice/sound-attenuation",
         "Standing sound waves: damping beside Boltzmann's and Green-Kubo's",
         "alpha = (k^2/2)(nu + zeta/rho)",
         "first step of the stress exactly 1 - lambda; damping as the fluctuations at rest have it",
@@ -642,8 +631,8 @@ CHECKS = (
         at_densities(NAMES, DENSITIES),
         (("hpp-d0.5", NO_COLLISIONS),),
     ),
-    lattice_check(
-        "boltzmann-modes",
+    reference_check(
+        "lattice/boltzmann-modes",
         "Small waves in the lattice Boltzmann equation: viscosities and sound speed as k goes to 0",
         "nu = (1/lambda - 1/2)/4, c_s, zeta/rho",
         "relative deviation zero after extrapolation over k^2",
@@ -663,8 +652,8 @@ CHECKS = (
             ),
         ),
     ),
-    lattice_check(
-        "advection",
+    reference_check(
+        "lattice/advection",
         "A shear wave in a flow drifts with g(rho) U",
         "g = D/(D + 2) (b - 2 rho)/(b - rho), with a rest particle 7/6 of it",
         "within the standard error",
@@ -673,8 +662,8 @@ CHECKS = (
         at_densities(ISOTROPIC, DENSITIES),
         (("fhp1-d0.2", NO_COLLISIONS),),
     ),
-    lattice_check(
-        "channel-flow",
+    reference_check(
+        "lattice/channel-flow",
         "Forced channel at d = 1/2: its profile, without slip",
         "nu j'' = -F, j = F y (H - y)/(2 nu) for a uniform force",
         "viscosity of the shear wave, the profile of the force, zero flow at the wall sites",
