@@ -56,7 +56,8 @@ def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
             _advance(gas, int(moment), reversals)
         for name, value in _tallied(scene, gas, set(names)).items():
             tallies[name][sample] = value
-    _advance(gas, int(scene.duration), reversals)
+    with timed(cost):
+        _advance(gas, int(scene.duration), reversals)
     if "sites" in scene.output.observables:
         tallies["sites"] = gas.sites
     cost.steps = int(scene.duration)

@@ -17,10 +17,6 @@ class LookupGas(LatticeGas):
         super().__init__(model, sites, **more)
         self._sites = np.array(sites)
         self._spare = np.empty_like(self._sites)
-        most = max(len(found) for found in model.outcomes)
-        self._outcomes = np.array([(*found, *(0,) * (most - len(found))) for found in model.outcomes], dtype=np.uint8)
-        self._numbers = np.array([len(found) for found in model.outcomes])
-        self._draws = draws(model.outcomes)
         self._mirrors = reflections(model)
         v = model.velocities
         #: of even and odd rows: bit, row below (1), here (0) or above (-1), column shift
@@ -40,25 +36,25 @@ class LookupGas(LatticeGas):
         if self.forcing is not None:
             channel = self.forcing.channel
             force = (self.forcing.threshold, channel, self.model.velocities.image(-1, 1)[channel])
-        table = (self._outcomes, self._numbers, self._draws)
-        for _ in range(steps):
-            _step(
-                self._sites,
-                self._spare,
-                self._moves,
-                table,
-                self._mirrors,
-                self.walls,
-                force,
-                self.impulses,
-                np.uint64(self.seed),
-                self.time,
-            )
+        _advance(
+            self._sites,
+            self._spare,
+            self._moves,
+            (*self.model.table, draws(self.model.outcomes)),
+            self._mirrors,
+            self.walls,
+            force,
+            self.impulses,
+            np.uint64(self.seed),
+            self.time,
+            steps,
+        )
+        if steps % 2:
             self._sites, self._spare = self._spare, self._sites
-            self.time += 1
+        self.time += steps
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time):  # type: ignore[no-untyped-def]
     rows, columns = sites.shape
     outcomes, numbers, number_of_draws = table
@@ -128,3 +124,11 @@ def _reflected(state, rule, mirrors, seed, time, y, x):  # type: ignore[no-untyp
         coin = _random_bit(row_key(seed, WALLS, np.uint64(time), np.uint64(y)), 0, x)
         flips |= (rule >> 2) * coin
     return mirrors[flips, state]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _advance(sites, target, moves, table, mirrors, walls, force, impulses, seed, start, steps):  # type: ignore[no-untyped-def]
+    """The last state is in `target` after an odd number of steps, in `sites` after an even one."""
+    for time in range(start, start + steps):
+        _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time)
+        sites, target = target, sites

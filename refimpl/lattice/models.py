@@ -49,6 +49,15 @@ class Model:
         return self.velocities.states
 
     @cached_property
+    def table(self) -> tuple[np.ndarray, np.ndarray]:
+        """Outcomes as an array (2^b, most) of uint8, padded with zeros, and how many each state has, (2^b,)."""
+        numbers = np.array([len(found) for found in self.outcomes])
+        outcomes = np.zeros((numbers.size, numbers.max()), dtype=np.uint8)
+        for state, found in enumerate(self.outcomes):
+            outcomes[state, : len(found)] = found
+        return outcomes, numbers
+
+    @cached_property
     def active(self) -> tuple[int, ...]:
         """States that a collision can change."""
         return tuple(s for s, found in enumerate(self.outcomes) if found != (s,))

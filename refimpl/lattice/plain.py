@@ -15,9 +15,7 @@ class PlainGas(LatticeGas):
     def __init__(self, model, sites, **more) -> None:  # type: ignore[no-untyped-def]
         super().__init__(model, sites, **more)
         self._sites = np.array(sites)
-        most = max(len(found) for found in model.outcomes)
-        self._outcomes = np.array([(*found, *(0,) * (most - len(found))) for found in model.outcomes], dtype=np.uint8)
-        self._numbers = np.array([len(found) for found in model.outcomes])
+        self._outcomes, self._numbers = model.table
         self._codes = np.array([(1 << (len(found) - 1).bit_length()) - 1 for found in model.outcomes])
         self._mirrors = reflections(model)
 
