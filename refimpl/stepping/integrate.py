@@ -48,8 +48,8 @@ def _advance(scheme, force, r, v, memory, dt, first, last, every, positions, vel
             sample = number // every
             # empty, not None, where they are not asked for: one compiled loop for both, and a test a sample
             if len(positions) > 0:
-                positions[sample] = r_new
-                velocities[sample] = v_new
+                positions[sample] = r_new[r_new.size - positions.shape[1] :]
+                velocities[sample] = v_new[v_new.size - positions.shape[1] :]
             if thermo is not None:
                 thermo[sample, 0] = kinetic_energy(force, v_new)
                 thermo[sample, 1], thermo[sample, 2] = energy_and_virial(force, r_new)
@@ -91,8 +91,8 @@ class Integration:
     """What `integrate` returns. Sample s is at time s * every * dt; sample 0 is the initial state.
 
     r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a non-finite state.
-    positions, velocities: (samples, N*d) or None. thermo: (samples, 3), columns K, U, W, or None.
-    evaluations: of the force, exactly. force: with its work arrays as they ended.
+    positions, velocities: (samples, N*d), or fewer coordinates if asked so, or None. thermo: (samples, 3), columns K,
+    U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended.
     """
 
     r: np.ndarray
@@ -124,12 +124,14 @@ def integrate(
     *,
     every: int | None = None,
     trajectory: bool = False,
+    last: int | None = None,
     thermo: bool = False,
 ) -> Integration:
     """Takes `steps` steps of length `dt` with a scheme of `SCHEMES`.
 
     r, v: flat initial state, shape (N*d,), left untouched. every: steps between samples (default: one, at the end).
-    trajectory: record r and v at the samples. thermo: record kinetic energy, potential energy and virial there.
+    trajectory: record r and v at the samples; last: only so many of their last coordinates. thermo: record kinetic
+    energy, potential energy and virial there.
     Raises KeyError for an unknown scheme, ValueError for bad sizes.
     """
     if steps < 0 or (every is not None and every < 1):
@@ -142,7 +144,8 @@ def integrate(
     v = np.ascontiguousarray(v, dtype=np.float64).copy()
     every = every or max(steps, 1)
     samples = steps // every + 1
-    positions = np.full((samples if trajectory else 0, r.size), np.nan)
+    width = r.size if last is None else last
+    positions = np.full((samples if trajectory else 0, width), np.nan)
     velocities = positions.copy()
     energies = np.full((samples, 3), np.nan) if thermo else None
 
@@ -155,7 +158,7 @@ def integrate(
             break
         force = larger
     if trajectory:
-        positions[0], velocities[0] = r, v
+        positions[0], velocities[0] = r[r.size - width :], v[r.size - width :]
     if energies is not None:
         energies[0] = thermo_now(force, r, v)
         while status(force) == NEEDS_CAPACITY:

@@ -107,14 +107,14 @@ class _Grid(NamedTuple):
     c: _Axis
 
 
-def _inner(function: Kernel) -> Kernel:
+def inner(function: Kernel) -> Kernel:
     """Compiled for kernels only: a wrapper for Python would take as long again. Python must not call it."""
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     return cast(Kernel, njit(error_model="numpy", **options)(function))
 
 
 def inline(function: Kernel) -> Kernel:
-    """As `_inner`, and made part of its callers."""
+    """As `inner`, and made part of its callers."""
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     return cast(Kernel, njit(error_model="numpy", forceinline=True, **options)(function))
 
@@ -226,7 +226,7 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
     return state[STATUS]
 
 
-@_inner
+@inner
 def _refresh(neighbours: Neighbours, r: np.ndarray) -> bool:
     """Coordinates of the sorted particles; False if the close lists may miss a pair, or one is not a number."""
     order, offset, pruned = neighbours.order, neighbours.offset, neighbours.pruned
@@ -248,7 +248,7 @@ def _refresh(neighbours: Neighbours, r: np.ndarray) -> bool:
     return still
 
 
-@_inner
+@inner
 def _moved_less(neighbours: Neighbours, limit: float) -> bool:
     """True if no particle is further than `limit` from where the wide lists were built; False for not-a-number."""
     packed, built = neighbours.packed, neighbours.built
@@ -276,7 +276,7 @@ def _distance2(packed, sides, j, xi, yi, zi):  # type: ignore[no-untyped-def]
     return r2
 
 
-@_inner
+@inner
 def _prune(neighbours: Neighbours) -> None:
     """Close lists: the entries of the wide ones that are within cutoff + CLOSE * skin of a member of the tile."""
     packed, tiles, pruned = neighbours.packed, neighbours.tiles, neighbours.pruned
@@ -303,7 +303,7 @@ def _prune(neighbours: Neighbours) -> None:
     neighbours.state[PRUNES] += 1
 
 
-@_inner
+@inner
 def _copy_images(neighbours: Neighbours) -> None:
     packed, blocks, block_shift = neighbours.packed, neighbours.blocks, neighbours.block_shift
     dimension = len(neighbours.sides)
@@ -330,7 +330,7 @@ def spread(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray) -> Non
         image += count
 
 
-@_inner
+@inner
 def _build(neighbours: Neighbours, r: np.ndarray) -> int:
     reach = neighbours.cutoff + neighbours.skin
     far = FAR * reach
@@ -348,7 +348,7 @@ def _build(neighbours: Neighbours, r: np.ndarray) -> int:
     return GOOD
 
 
-@_inner
+@inner
 def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: int) -> _Grid:
     """Columns as wide as a cubic (2D: square) tile is at the mean density, at most `limit` cells in all."""
     dimension = len(sides)
@@ -376,7 +376,7 @@ def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: i
     )
 
 
-@_inner
+@inner
 def _extent(side: float, r: np.ndarray, k: int, dimension: int) -> tuple[float, float]:
     """Lower end and length of axis k: the box if it is periodic, else what the particles take up."""
     if side > 0:
@@ -388,7 +388,7 @@ def _extent(side: float, r: np.ndarray, k: int, dimension: int) -> tuple[float, 
     return low, high - low
 
 
-@_inner
+@inner
 def _axis(cells: float, low: float, extent: float, side: float, reach: float) -> _Axis:
     inverse = cells / extent if extent > 0 else 0.0
     around = min(cells, np.ceil(reach * inverse)) if side > 0 else 0.0
@@ -429,7 +429,7 @@ def _cell(axis: _Axis, x: float, side: float) -> int:
     return min(axis.cells - 1, max(0, cell))
 
 
-@_inner
+@inner
 def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
     """Counting sort of the particles by cell along the snaking path."""
     sides, order, offset, built = neighbours.sides, neighbours.order, neighbours.offset, neighbours.built
@@ -475,7 +475,7 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
             tiles[tile + k * WIDTH] = NOWHERE * (slot % WIDTH)
 
 
-@_inner
+@inner
 def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
     """Which slots are imaged, where to and by how much; False if the arrays are too small."""
     sides, start, state = neighbours.sides, neighbours.start, neighbours.state
@@ -512,7 +512,7 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
     return end * _record(dimension) <= len(neighbours.packed)
 
 
-@_inner
+@inner
 def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
     """Wide lists: the slots within cutoff + skin of a member of each tile; False if the array is too small."""
     packed, tiles, start = neighbours.packed, neighbours.tiles, neighbours.start

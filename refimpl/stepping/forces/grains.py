@@ -1,0 +1,346 @@
+"""Soft grains: disks or spheres that overlap and push each other apart, with friction, spin, walls and gravity.
+
+Grains i and j that overlap by delta = R_i + R_j - r_ij, with n from j to i, v_n = (v_i - v_j).n and the slip of their
+surfaces u = (v_i - v_j) - v_n n - (R_i omega_i + R_j omega_j) x n, exert
+
+    F_n = s k delta - eta_n v_n,        F_t: below, up to Coulomb's limit mu |F_n|,
+
+s = 1 (Hooke) or sqrt(R_eff delta) (Hertz), with 1/R_eff = 1/R_i + 1/R_j and 1/m_eff = 1/m_i + 1/m_j. The dashpots are
+
+    damping = "mass":          eta_n = gamma s m_eff,            eta_t = gamma_t s m_eff   (gamma a rate),
+    damping = "restitution":   eta_n = c sqrt(s m_eff k),        eta_t = c_t sqrt(s m_eff k)   (c a number).
+
+Without history F_t = -eta_t u. With history F_t = -s k_t xi - eta_t u, xi the stretch of a tangential spring, xi' = u
+since the contact began; at Coulomb's limit xi is what makes F_t that limit. As the contact turns, the component of xi
+along n is taken off after each step. `granular`: it is taken off before, and xi keeps its length; the arm of the torque
+is then R - delta/2 for pairs, and R otherwise. So the equations are those of LAMMPS's pair styles gran/hooke,
+gran/hooke/history and gran/hertz/history ("mass") and of its `pair_style granular` with hooke or hertz, damping
+coeff_restitution, and tangential linear_nohistory, linear_history (hooke) or mindlin (hertz) ("restitution", granular).
+As there, a dashpot beyond Coulomb's limit does nothing before xi has left zero. Walls have m_eff = m_i, R_eff = R_i and
+the arm R.
+
+Coordinates r: N d positions; N angles in the plane, 3 N in space (only their rates matter), of rough grains alone; the
+clock; and, with `tallies`, quantities whose rates are integrated. Velocities v: likewise, the clock's is 1, those of
+the tallies are the integrals. So any scheme of `refimpl.stepping.schemes` moves clock, spins and tallies along; with
+history, only one that asks for the force once a step makes sense. The stretches grow by u times what the clock has
+moved since the last evaluation: one that is repeated changes nothing.
+
+Literature: P. A. Cundall and O. D. L. Strack, Geotechnique 29, 47 (1979); L. E. Silbert et al., Phys. Rev. E 64, 051302
+(2001); S. Luding, Granul. Matter 10, 235 (2008).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from refimpl.stepping.forces.generic import (
+    accelerate,
+    answers,
+    energy_and_virial,
+    enlarge,
+    kinetic_energy,
+    status,
+)
+from refimpl.stepping.kernels.contacts import NEEDED, NO_LIMIT, STATUS, Model, elastic_energy, grain_accelerations
+
+#: Default skin of the pair list, over the largest diameter.
+SKIN = 0.3
+
+
+class Law(NamedTuple):
+    """k; gamma or c; k_t; gamma_t or c_t; mu: see the module's equations."""
+
+    stiffness: float
+    damping: float = 0.0
+    tangential_stiffness: float = 0.0
+    tangential_damping: float = 0.0
+    friction: float = 0.0
+
+
+class Plane(NamedTuple):
+    """A wall at `place` along `axis`, the grains on the side to which `sign` (+1, -1) points.
+
+    It moves by sign amplitude cos(frequency t + phase).
+    """
+
+    axis: int
+    sign: int
+    place: float
+    law: Law
+    amplitude: float = 0.0
+    frequency: float = 0.0
+    phase: float = 0.0
+
+
+class Cylinder(NamedTuple):
+    """The inside of a cylinder about a line along `axis` (2D: 2) through `centre` (both other coordinates, in order).
+
+    It turns at angular_velocity from the first of these coordinates to the second.
+    """
+
+    radius: float
+    centre: tuple[float, float]
+    law: Law
+    axis: int = 2
+    angular_velocity: float = 0.0
+
+
+class Grains(NamedTuple):
+    """Soft grains; build them with `grains`. Absent features are None or empty.
+
+    sides: box side of each periodic axis, 0 for others. inverse_inertias: (N,), None of smooth grains. gravity: (d,).
+    law, walls, cylinder: rows of numbers, see refimpl.stepping.kernels.contacts. tallies: whether they are integrated;
+    the last `auxiliary` coordinates are the clock and, with them, the number of touching pairs, sum r_ij . F_ij, the
+    forces on each wall and on the cylinder (d each), and the torque of the cylinder on the grains. pairs: (P, 2);
+    reach2: squared contact distances; touching, stretches (P, 3) and wall_stretches (walls + 1, N, 3): of rough grains.
+    clock: (1,), of the last evaluation. state: see STATUS in the kernels.
+    """
+
+    sides: tuple[float, ...]
+    radii: np.ndarray
+    masses: np.ndarray
+    inverse_masses: np.ndarray
+    inverse_inertias: np.ndarray | None
+    gravity: np.ndarray
+    law: np.ndarray
+    model: Model
+    walls: np.ndarray
+    cylinder: np.ndarray
+    tallies: bool
+    auxiliary: int
+    skin: float
+    built: np.ndarray
+    pairs: np.ndarray
+    reach2: np.ndarray
+    touching: np.ndarray
+    stretches: np.ndarray
+    wall_stretches: np.ndarray
+    clock: np.ndarray
+    state: np.ndarray
+
+
+def _row(law: Law) -> list[float]:
+    if not all(value >= 0 for value in law) or not all(np.isfinite(law[:4])) or law.stiffness == 0:
+        raise ValueError(f"a contact law needs a positive stiffness and other numbers that are not negative, got {law}")
+    return [*law[:4], min(law.friction, NO_LIMIT)]
+
+
+def _cylinder_row(cylinder: Cylinder) -> np.ndarray:
+    across = [axis for axis in range(3) if axis != cylinder.axis]
+    numbers = [cylinder.radius, *cylinder.centre, *across, cylinder.angular_velocity]
+    return np.array([*numbers, *_row(cylinder.law)], dtype=np.float64)
+
+
+def _check_surroundings(
+    lengths: Sequence[float],
+    periodic: Sequence[bool],
+    gravity: Sequence[float] | None,
+    walls: Sequence[Plane],
+    cylinder: Cylinder | None,
+) -> None:
+    """ValueError for a box, a field or walls that cannot be."""
+    dimension = len(lengths)
+    for length, around in zip(lengths, periodic, strict=True):
+        if around and not (np.isfinite(length) and length > 0):
+            raise ValueError(f"periodic lengths must be positive and finite, got {lengths}")
+    if gravity is not None and (len(gravity) != dimension or not np.isfinite(gravity).all()):
+        raise ValueError(f"gravity must have {dimension} finite components, got {gravity}")
+    for wall in walls:
+        numbers = [wall.place, wall.amplitude, wall.frequency, wall.phase]
+        if wall.axis not in range(dimension) or wall.sign not in (1, -1) or not np.isfinite(numbers).all():
+            raise ValueError(f"a plane needs an axis below {dimension}, a sign +1 or -1, finite numbers, got {wall}")
+    if cylinder is not None:
+        numbers = [cylinder.radius, *cylinder.centre, cylinder.angular_velocity]
+        axes = (2,) if dimension == 2 else (0, 1, 2)
+        if cylinder.axis not in axes or not cylinder.radius > 0 or not np.isfinite(numbers).all():
+            raise ValueError(f"a cylinder needs a positive radius, finite numbers and an axis (2D: 2), got {cylinder}")
+
+
+def grains(
+    *,
+    radii: np.ndarray,
+    masses: np.ndarray,
+    lengths: Sequence[float],
+    periodic: Sequence[bool],
+    law: Law,
+    inertia: float | None = None,
+    gravity: Sequence[float] | None = None,
+    walls: Sequence[Plane] = (),
+    cylinder: Cylinder | None = None,
+    hertz: bool = False,
+    damping: Literal["mass", "restitution"] = "restitution",
+    history: bool = True,
+    granular: bool = False,
+    tallies: bool = False,
+    skin: float | None = None,
+) -> Grains:
+    """Soft grains of these radii and masses, (N,), in a box of these `lengths`, of which only periodic ones matter.
+
+    inertia: q in I = q m R^2; None: smooth grains, which do not turn. The rest as in the module's equations. tallies:
+    integrate what `TALLIES` names. skin: of the pair list, by default SKIN times the largest diameter; for speed only.
+    Raises ValueError for sizes that do not match and numbers out of range.
+    """
+    radii, masses = np.array(radii, dtype=np.float64), np.array(masses, dtype=np.float64)
+    dimension, number = len(lengths), radii.size
+    if dimension not in (2, 3) or len(periodic) != dimension:
+        raise ValueError(f"lengths and periodic must hold 2 or 3 values each, got {lengths} and {periodic}")
+    if masses.shape != (number,) or not (np.isfinite([radii, masses]).all() and radii.min() > 0 and masses.min() > 0):
+        raise ValueError("radii and masses must be positive and finite, one each for every grain")
+    _check_surroundings(lengths, periodic, gravity, walls, cylinder)
+    if inertia is not None and not 0 < inertia <= 1:
+        raise ValueError(f"inertia is q in I = q m R^2, between 0 and 1, got {inertia}")
+    if damping not in ("mass", "restitution"):
+        raise ValueError(f"damping must be 'mass' or 'restitution', got {damping!r}")
+    if skin is not None and not (np.isfinite(skin) and skin >= 0):
+        raise ValueError(f"skin must be finite and not negative, got {skin}")
+    sides = tuple(float(length) if around else 0.0 for length, around in zip(lengths, periodic, strict=True))
+    diameter = 2 * float(radii.max())
+    shortest = min((side for side in sides if side > 0), default=np.inf)
+    if shortest <= 2 * diameter:
+        raise ValueError(f"periodic sides must exceed two diameters, {2 * diameter}, got {sides}")
+    rough = inertia is not None
+    rows = [[*wall[:3], *wall[4:], *_row(wall.law)] for wall in walls]
+    pairs, reach2, touching, stretches = _room(number * dimension, rough)
+    return Grains(
+        sides=sides,
+        radii=radii,
+        masses=masses,
+        inverse_masses=1 / masses,
+        inverse_inertias=1 / (inertia * masses * radii**2) if inertia is not None else None,
+        gravity=np.zeros(dimension) if gravity is None else np.array(gravity, dtype=np.float64),
+        law=np.array(_row(law)),
+        model=Model(hertz, damping == "mass", history, granular),
+        walls=np.array(rows, dtype=np.float64).reshape(len(rows), 11),
+        cylinder=np.zeros(0) if cylinder is None else _cylinder_row(cylinder),
+        tallies=tallies,
+        auxiliary=1 + (2 + (len(rows) + 1) * dimension + 1 if tallies else 0),
+        skin=min(SKIN * diameter if skin is None else skin, 0.499 * shortest - diameter),
+        built=np.zeros(number * dimension),
+        pairs=pairs,
+        reach2=reach2,
+        touching=touching,
+        stretches=stretches,
+        wall_stretches=np.zeros((len(rows) + 1, number if rough else 0, 3)),
+        clock=np.full(1, np.nan),
+        state=np.zeros(5, dtype=np.int64),
+    )
+
+
+def _room(pairs: int, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    remembered = pairs if rough else 0
+    return (
+        np.zeros((pairs, 2), dtype=np.int32),
+        np.zeros(pairs),
+        np.zeros(remembered, dtype=np.bool_),
+        np.zeros((remembered, 3)),
+    )
+
+
+def coordinates(
+    force: Grains, positions: np.ndarray, velocities: np.ndarray, spins: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Flat r and v at time 0 of grains at these positions and velocities, (N, d), and spins, (N, 1 | 3), or at rest."""
+    turning = () if force.inverse_inertias is None else (3 if len(force.sides) == 3 else 1,)
+    angles = np.zeros((force.radii.size, *turning)) if turning else np.zeros(0)
+    rest = np.zeros(force.auxiliary)
+    clock = rest.copy()
+    clock[0] = 1.0
+    r = np.concatenate([positions.ravel(), angles.ravel(), rest])
+    v = np.concatenate([velocities.ravel(), (angles if spins is None else spins).ravel(), clock])
+    return r, v
+
+
+@answers(accelerate, Grains)
+def _accelerate(force: Grains, r: np.ndarray, v: np.ndarray) -> np.ndarray:
+    a = np.empty(r.size)
+    grain_accelerations(
+        force.sides,
+        force.radii,
+        force.inverse_masses,
+        force.inverse_inertias,
+        force.gravity,
+        force.law,
+        force.model,
+        force.walls,
+        force.cylinder,
+        force.tallies,
+        force.skin,
+        force.built,
+        force.pairs,
+        force.reach2,
+        force.touching,
+        force.stretches,
+        force.wall_stretches,
+        force.clock,
+        force.state,
+        r,
+        v,
+        a,
+    )
+    return a
+
+
+@register_jitable
+def _turning(inverse_inertias, dimension, number, v):  # type: ignore[no-untyped-def]
+    energy = 0.0
+    if inverse_inertias is not None:
+        components = 3 if dimension == 3 else 1
+        for k in range(components * number):
+            energy += 0.5 * v[dimension * number + k] ** 2 / inverse_inertias[k // components]
+    return energy
+
+
+@answers(kinetic_energy, Grains)
+def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
+    """With the rotation."""
+    d, number = len(force.sides), len(force.radii)
+    energy = _turning(force.inverse_inertias, d, number, v)
+    for k in range(d * number):
+        energy += 0.5 * force.masses[k // d] * v[k] ** 2
+    return energy
+
+
+@answers(energy_and_virial, Grains)
+def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
+    """Of gravity and of the normal springs; the virial is theirs alone, without dashpots and friction."""
+    energy, virial = elastic_energy(
+        force.sides,
+        force.radii,
+        force.law,
+        force.model,
+        force.walls,
+        force.cylinder,
+        force.skin,
+        force.built,
+        force.pairs,
+        force.reach2,
+        force.touching,
+        force.stretches,
+        force.state,
+        r[r.size - force.auxiliary],
+        r,
+    )
+    d = len(force.sides)
+    for k in range(d * len(force.radii)):
+        energy -= force.masses[k // d] * force.gravity[k % d] * r[k]
+    return energy, virial
+
+
+@answers(status, Grains)
+def _status(force: Grains) -> int:
+    return force.state[STATUS]
+
+
+@answers(enlarge, Grains)
+def _enlarge(force: Grains) -> Grains:
+    larger = _room(int(1.25 * force.state[NEEDED]) + 8, force.inverse_inertias is not None)
+    for before, array in zip((force.pairs, force.reach2, force.touching, force.stretches), larger, strict=True):
+        array[: len(before)] = before
+    pairs, reach2, touching, stretches = larger
+    # the smaller force may be used again: nothing that says what is in the arrays is shared with it
+    own = {name: getattr(force, name).copy() for name in ("state", "built", "clock", "wall_stretches")}
+    return force._replace(pairs=pairs, reach2=reach2, touching=touching, stretches=stretches, **own)

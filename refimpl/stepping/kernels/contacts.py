@@ -1,0 +1,529 @@
+"""Forces of soft grains on each other and on walls: every contact of a pair list, plane walls and a cylinder.
+
+Vectors have three components here; grains in the plane have z = 0 and spin about z. A pair list holds all pairs whose
+surfaces were nearer than `skin` when it was made, and is good until a grain has moved by skin/2 (Verlet 1967); cells as
+wide as the largest diameter and the skin make it in O(N).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
+from refimpl.stepping.neighbours import FAR, SAFE, inner
+
+#: Places of the numbers in the row of a law.
+STIFFNESS, DAMPING, TANGENTIAL_STIFFNESS, TANGENTIAL_DAMPING, FRICTION = range(5)
+#: Places of the numbers in the row of a wall; its law follows.
+AXIS, SIGN, PLACE, AMPLITUDE, FREQUENCY, PHASE, WALL_LAW = range(7)
+#: Places of the numbers in the row of a cylinder; its law follows.
+RADIUS, CENTRE_A, CENTRE_B, AXIS_A, AXIS_B, ANGULAR_VELOCITY, CYLINDER_LAW = range(7)
+#: Places of the numbers in the state of a list: outcome of the last evaluation; 1 when the list is good for the places
+#: `built`; pairs in it; lists made so far; pairs for which there was no room.
+STATUS, LISTED, PAIRS, BUILDS, NEEDED = range(5)
+#: Stretches along the normal below this share of Coulomb's limit are left as they are, as in LAMMPS.
+_SLIGHT = 1e-10
+#: Coulomb coefficient that stands for none: no force of a contact reaches it.
+NO_LIMIT = 1e100
+
+
+class Model(NamedTuple):
+    """Which equations: see `refimpl.stepping.forces.grains`."""
+
+    hertz: bool
+    by_mass: bool
+    history: bool
+    granular: bool
+
+
+# -- the law of a contact ----------------------------------------------------------------------------------------------
+
+
+@inner
+def _scale(model: Model, delta: float, radius: float) -> float:
+    return np.sqrt(delta * radius) if model.hertz else 1.0
+
+
+@inner
+def _damping(coefficient: float, law: Any, model: Model, mass: float, scale: float) -> float:
+    """eta, the force over the velocity."""
+    if model.by_mass:
+        return coefficient * mass * scale
+    return coefficient * np.sqrt(mass * law[STIFFNESS] * scale)
+
+
+@inner
+def _normal_force(law: Any, model: Model, delta: float, approach: float, mass: float, scale: float) -> float:
+    """Of the overlap delta and the normal velocity `approach`, negative when the grains come nearer."""
+    return law[STIFFNESS] * scale * delta - _damping(law[DAMPING], law, model, mass, scale) * approach
+
+
+@inner
+def _tangential_force(law, model, mass, scale, normal, n, u, stretch, elapsed, f):  # type: ignore[no-untyped-def]
+    """Of the slip u, to f, all (3,); `stretch` (3,) is brought forward by the time `elapsed`."""
+    limit = law[FRICTION] * abs(normal)
+    damping = _damping(law[TANGENTIAL_DAMPING], law, model, mass, scale)
+    if not model.history:
+        slip = _length(u)
+        share = min(limit, damping * slip) / slip if slip > 0.0 else 0.0
+        for k in range(3):
+            f[k] = -share * u[k]
+        return
+    stiffness = law[TANGENTIAL_STIFFNESS] * scale
+    if elapsed != 0.0 and model.granular:
+        before, along = _length(stretch), _product(stretch, n)
+        slight = _SLIGHT * limit if law[FRICTION] < NO_LIMIT else 0.0
+        if abs(along) * stiffness > slight:
+            for k in range(3):
+                stretch[k] -= along * n[k]
+            after = _length(stretch)
+            for k in range(3):
+                stretch[k] *= before / after if after > 0.0 else 0.0
+    for k in range(3):
+        stretch[k] += u[k] * elapsed
+    stretched = _length(stretch) != 0.0
+    if elapsed != 0.0 and not model.granular:
+        along = _product(stretch, n)
+        for k in range(3):
+            stretch[k] -= along * n[k]
+    for k in range(3):
+        f[k] = -stiffness * stretch[k] - damping * u[k]
+    size = _length(f)
+    if size > limit:
+        for k in range(3):
+            f[k] = limit / size * f[k] if stretched else 0.0
+            if stretched and stiffness > 0.0:
+                stretch[k] = -(f[k] + damping * u[k]) / stiffness
+
+
+@inner
+def _product(x: Any, y: Any) -> float:
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+
+
+@inner
+def _length(x: Any) -> float:
+    return np.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+
+
+@inner
+def _slip(n, g, approach, w, u):  # type: ignore[no-untyped-def]
+    """u = g - (g.n) n - w x n, w the sum of the surfaces' R omega."""
+    u[0] = g[0] - approach * n[0] - (w[1] * n[2] - w[2] * n[1])
+    u[1] = g[1] - approach * n[1] - (w[2] * n[0] - w[0] * n[2])
+    u[2] = g[2] - approach * n[2] - (w[0] * n[1] - w[1] * n[0])
+
+
+@inner
+def _add_spin(dimension, spins, v, i, radius, w):  # type: ignore[no-untyped-def]
+    """Adds R omega of grain i to w (3,)."""
+    if dimension == 3:
+        for k in range(3):
+            w[k] += radius * v[spins + 3 * i + k]
+    else:
+        w[2] += radius * v[spins + i]
+
+
+@inner
+def _add_torque(dimension, spins, a, i, share, n, f):  # type: ignore[no-untyped-def]
+    """Adds -share n x F to the angular acceleration of grain i."""
+    z = n[0] * f[1] - n[1] * f[0]
+    if dimension == 3:
+        a[spins + 3 * i] -= share * (n[1] * f[2] - n[2] * f[1])
+        a[spins + 3 * i + 1] -= share * (n[2] * f[0] - n[0] * f[2])
+        a[spins + 3 * i + 2] -= share * z
+    else:
+        a[spins + i] -= share * z
+
+
+# -- the pair list -----------------------------------------------------------------------------------------------------
+
+
+@inner
+def _has_moved(r, built, dimension, skin):  # type: ignore[no-untyped-def]
+    """True if a grain is further than skin/2 from where the list was made, or its place is not a number."""
+    limit2 = (0.5 * SAFE * skin) ** 2
+    still = True
+    for first in range(0, len(built), dimension):
+        square = 0.0
+        for k in range(dimension):
+            square += (r[first + k] - built[first + k]) ** 2
+        still &= square <= limit2
+    return not still
+
+
+@inner
+def _apart2(sides, r, i, j):  # type: ignore[no-untyped-def]
+    """Squared distance of the nearest images."""
+    d = len(sides)
+    square = 0.0
+    for k in range(d):
+        x = r[d * i + k] - r[d * j + k]
+        if sides[k] > 0.0:
+            x -= sides[k] * np.rint(x / sides[k])
+        square += x * x
+    return square
+
+
+@inner
+def _find_pairs(sides, radii, skin, r, pairs, reach2):  # type: ignore[no-untyped-def]
+    """Number of pairs i < j with surfaces nearer than skin, and, as far as there is room, the pairs."""
+    d, number = len(sides), len(radii)
+    largest = 0.0
+    for i in range(number):
+        largest = max(largest, radii[i])
+    reach = (2.0 * largest + skin) / SAFE
+    low, width, cells = np.zeros(3), np.ones(3), np.ones(3, dtype=np.int64)
+    for k in range(d):
+        extent = sides[k]
+        if extent == 0.0:
+            low[k] = high = r[k]
+            for i in range(number):
+                low[k], high = min(low[k], r[d * i + k]), max(high, r[d * i + k])
+            extent = high - low[k]
+        # no more cells than grains along an axis: empty ones cost too
+        cells[k] = max(1, min(number, int(extent / reach)))
+        width[k] = extent / cells[k] if extent > 0.0 else 1.0
+    while cells[0] * cells[1] * cells[2] > 8 * number + 64:
+        longest = 0
+        for k in range(1, d):
+            longest = k if cells[k] > cells[longest] else longest
+        width[longest] *= cells[longest] / (cells[longest] // 2)
+        cells[longest] //= 2
+    # grains of a cell as a chain; numbers from 1, 0 ends it
+    first = np.zeros(cells[0] * cells[1] * cells[2], dtype=np.int64)
+    following, place = np.zeros(number, dtype=np.int64), np.zeros((number, 3), dtype=np.int64)
+    for i in range(number):
+        for k in range(d):
+            x = np.floor((r[d * i + k] - low[k]) / width[k])
+            place[i, k] = int(x) % cells[k] if sides[k] > 0.0 else min(max(int(x), 0), cells[k] - 1)
+        cell = (place[i, 0] * cells[1] + place[i, 1]) * cells[2] + place[i, 2]
+        following[i] = first[cell]
+        first[cell] = i + 1
+    found = 0
+    near, count = np.empty((3, 3), dtype=np.int64), np.zeros(3, dtype=np.int64)
+    for i in range(number):
+        for k in range(3):
+            # every cell once, of a periodic axis too that has fewer than three
+            count[k] = 0
+            around = k < d and sides[k] > 0.0
+            for step in range(-1, 2):
+                c = place[i, k] + step
+                if around:
+                    if (step == -1 and cells[k] < 3) or (step == 1 and cells[k] < 2):
+                        continue
+                    c %= cells[k]
+                elif c < 0 or c >= cells[k]:
+                    continue
+                near[k, count[k]] = c
+                count[k] += 1
+        for x in range(count[0]):
+            for y in range(count[1]):
+                for z in range(count[2]):
+                    j = first[(near[0, x] * cells[1] + near[1, y]) * cells[2] + near[2, z]] - 1
+                    while j >= 0:
+                        touch = radii[i] + radii[j]
+                        if j > i and _apart2(sides, r, i, j) < ((touch + skin) / SAFE) ** 2:
+                            if found < len(pairs):
+                                pairs[found, 0], pairs[found, 1] = i, j
+                                reach2[found] = touch * touch
+                            found += 1
+                        j = following[j] - 1
+    return found
+
+
+@inner
+def _forget(touching, stretches, pair):  # type: ignore[no-untyped-def]
+    touching[pair] = False
+    for k in range(3):
+        stretches[pair, k] = 0.0
+
+
+@inner
+def _remember(touching, stretches, pair, kept, old):  # type: ignore[no-untyped-def]
+    touching[pair] = True
+    for k in range(3):
+        stretches[pair, k] = kept[old, k]
+
+
+@inner
+def _make_list(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):  # type: ignore[no-untyped-def]
+    """A new pair list for the positions r; stretches of pairs that touch are carried over."""
+    far = FAR * radii[0]
+    for k in range(len(built)):
+        if not -far <= r[k] <= far:
+            return DIVERGED
+    # the pairs that touch, as a chain from the first grain of each; numbers from 1, 0 ends it
+    remembered = state[PAIRS] if len(touching) > 0 else 0
+    held = 0
+    for pair in range(remembered):
+        held += touching[pair]
+    head, following = np.zeros(len(radii), dtype=np.int64), np.zeros(held, dtype=np.int64)
+    ends, kept = np.zeros((held, 2), dtype=np.int64), np.zeros((held, 3))
+    old = 0
+    for pair in range(remembered):
+        if touching[pair]:
+            ends[old, 0], ends[old, 1] = pairs[pair, 0], pairs[pair, 1]
+            following[old], head[ends[old, 0]] = head[ends[old, 0]], old + 1
+            for k in range(3):
+                kept[old, k] = stretches[pair, k]
+            old += 1
+    found = _find_pairs(sides, radii, skin, r, pairs, reach2)
+    if found > len(pairs):
+        # what touches is all that the next attempt has to know
+        for old in range(held):
+            pairs[old, 0], pairs[old, 1] = ends[old, 0], ends[old, 1]
+            _remember(touching, stretches, old, kept, old)
+        state[PAIRS], state[NEEDED] = held, found
+        return NEEDS_CAPACITY
+    state[PAIRS] = found
+    for k in range(len(built)):
+        built[k] = r[k]
+    for pair in range(found if len(touching) > 0 else 0):
+        _forget(touching, stretches, pair)
+        old = head[pairs[pair, 0]] - 1
+        while old >= 0:
+            if ends[old, 1] == pairs[pair, 1]:
+                _remember(touching, stretches, pair, kept, old)
+            old = following[old] - 1
+    state[BUILDS] += 1
+    return GOOD
+
+
+@inner
+def _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):  # type: ignore[no-untyped-def]
+    """Sees to it that the pair list is good for r; False, with the reason in the state, if it cannot be."""
+    state[STATUS] = GOOD
+    if state[LISTED] == 0 or _has_moved(r, built, len(sides), skin):
+        state[LISTED] = 0
+        state[STATUS] = _make_list(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r)
+        if state[STATUS] == GOOD:
+            state[LISTED] = 1
+    return state[STATUS] == GOOD
+
+
+# -- sums over contacts ------------------------------------------------------------------------------------------------
+
+
+@inner
+def _pairs(  # type: ignore[no-untyped-def]
+    sides, radii, inverse_masses, inverse_inertias, law, model, pairs, reach2, count, touching, stretches, elapsed,
+    r, v, a,
+):  # fmt: skip
+    """Adds the accelerations by all pairs of the list to `a`; returns the number of contacts and sum r_ij . F_ij."""
+    d, number = len(sides), len(radii)
+    n, g, u, w, f = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    contacts, virial = 0, 0.0
+    for pair in range(count):
+        i, j = pairs[pair, 0], pairs[pair, 1]
+        square = _apart2(sides, r, i, j)
+        if square >= reach2[pair]:
+            if inverse_inertias is not None:  # noqa: SIM102  numba prunes a test for None only if it stands alone
+                if touching[pair]:
+                    _forget(touching, stretches, pair)
+            continue
+        distance = np.sqrt(square)
+        approach = 0.0
+        for k in range(d):
+            x = r[d * i + k] - r[d * j + k]
+            if sides[k] > 0.0:
+                x -= sides[k] * np.rint(x / sides[k])
+            n[k] = x / distance
+            g[k] = v[d * i + k] - v[d * j + k]
+            approach += g[k] * n[k]
+        delta = radii[i] + radii[j] - distance
+        mass = 1.0 / (inverse_masses[i] + inverse_masses[j])
+        scale = _scale(model, delta, radii[i] * radii[j] / (radii[i] + radii[j]))
+        normal = _normal_force(law, model, delta, approach, mass, scale)
+        contacts += 1
+        virial += distance * normal
+        if inverse_inertias is not None:
+            touching[pair] = True
+            w[0] = w[1] = w[2] = 0.0
+            _add_spin(d, d * number, v, i, radii[i], w)
+            _add_spin(d, d * number, v, j, radii[j], w)
+            _slip(n, g, approach, w, u)
+            _tangential_force(law, model, mass, scale, normal, n, u, stretches[pair], elapsed, f)
+            shorter = 0.5 * delta if model.granular else 0.0
+            _add_torque(d, d * number, a, i, inverse_inertias[i] * (radii[i] - shorter), n, f)
+            _add_torque(d, d * number, a, j, inverse_inertias[j] * (radii[j] - shorter), n, f)
+        for k in range(d):
+            force = normal * n[k] + f[k]
+            a[d * i + k] += inverse_masses[i] * force
+            a[d * j + k] -= inverse_masses[j] * force
+    return contacts, virial
+
+
+@inner
+def _on_wall(  # type: ignore[no-untyped-def]
+    d, radii, inverse_masses, inverse_inertias, law, model, stretches, elapsed, i, delta, n, g, u, w, f, v, a, on_wall
+):  # fmt: skip
+    """Adds the acceleration of grain i by a wall to `a` and the force on the wall to `on_wall`; n: to the grain."""
+    spins = d * len(radii)
+    mass, approach = 1.0 / inverse_masses[i], _product(g, n)
+    scale = _scale(model, delta, radii[i])
+    normal = _normal_force(law, model, delta, approach, mass, scale)
+    if inverse_inertias is not None:
+        w[0] = w[1] = w[2] = 0.0
+        _add_spin(d, spins, v, i, radii[i], w)
+        _slip(n, g, approach, w, u)
+        _tangential_force(law, model, mass, scale, normal, n, u, stretches[i], elapsed, f)
+        _add_torque(d, spins, a, i, inverse_inertias[i] * radii[i], n, f)
+    for k in range(d):
+        force = normal * n[k] + f[k]
+        a[d * i + k] += inverse_masses[i] * force
+        on_wall[k] -= force
+
+
+@inner
+def _planes(  # type: ignore[no-untyped-def]
+    d, radii, inverse_masses, inverse_inertias, walls, model, stretches, elapsed, time, r, v, a, on_walls
+):
+    n, g, u, w, f = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    for wall in range(len(walls)):
+        axis, sign = int(walls[wall, AXIS]), walls[wall, SIGN]
+        angle = walls[wall, FREQUENCY] * time + walls[wall, PHASE]
+        place = walls[wall, PLACE] + sign * walls[wall, AMPLITUDE] * np.cos(angle)
+        speed = -sign * walls[wall, AMPLITUDE] * walls[wall, FREQUENCY] * np.sin(angle)
+        n[0] = n[1] = n[2] = 0.0
+        n[axis] = sign
+        for i in range(len(radii)):
+            delta = radii[i] - sign * (r[d * i + axis] - place)
+            if delta <= 0.0:
+                if inverse_inertias is not None:
+                    for k in range(3):
+                        stretches[wall, i, k] = 0.0
+                continue
+            for k in range(d):
+                g[k] = v[d * i + k]
+            g[axis] -= speed
+            law = walls[wall, WALL_LAW:]
+            _on_wall(
+                d, radii, inverse_masses, inverse_inertias, law, model, stretches[wall], elapsed, i, delta, n, g, u, w,
+                f, v, a, on_walls[wall],
+            )  # fmt: skip
+
+
+@inner
+def _cylinder(  # type: ignore[no-untyped-def]
+    d, radii, inverse_masses, inverse_inertias, cylinder, model, stretches, elapsed, r, v, a, on_wall
+):
+    """Adds the accelerations by the inside of a turning cylinder; returns its torque on the grains about its axis."""
+    n, g, u, w, f = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    torque = 0.0
+    first, second, inside = int(cylinder[AXIS_A]), int(cylinder[AXIS_B]), cylinder[RADIUS]
+    surface = cylinder[ANGULAR_VELOCITY] * inside
+    for i in range(len(radii)):
+        x, y = r[d * i + first] - cylinder[CENTRE_A], r[d * i + second] - cylinder[CENTRE_B]
+        distance = np.sqrt(x * x + y * y)
+        delta = radii[i] - (inside - distance)
+        if delta <= 0.0:
+            if inverse_inertias is not None:
+                for k in range(3):
+                    stretches[i, k] = 0.0
+            continue
+        n[0] = n[1] = n[2] = 0.0
+        n[first], n[second] = -x / distance, -y / distance
+        for k in range(d):
+            g[k] = v[d * i + k]
+        g[first] -= surface * n[second]
+        g[second] += surface * n[first]
+        law = cylinder[CYLINDER_LAW:]
+        _on_wall(
+            d, radii, inverse_masses, inverse_inertias, law, model, stretches, elapsed, i, delta, n, g, u, w, f, v, a,
+            on_wall,
+        )  # fmt: skip
+        # the arm of a grain ends delta beyond the wall
+        torque += (distance + radii[i]) * (f[first] * n[second] - f[second] * n[first])
+    return torque
+
+
+@njit(cache=True, error_model="numpy")
+def grain_accelerations(  # type: ignore[no-untyped-def]
+    sides, radii, inverse_masses, inverse_inertias, gravity, law, model, walls, cylinder, tallies, skin, built, pairs,
+    reach2, touching, stretches, wall_stretches, clock, state, r, v, a,
+):  # fmt: skip
+    """Accelerations, angular accelerations, and rates of the tallies, to `a`; NaN where the list cannot be made."""
+    d, number = len(sides), len(radii)
+    if not _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):
+        for k in range(len(a)):
+            a[k] = np.nan
+        return
+    ends = d * number
+    if inverse_inertias is not None:
+        ends += 3 * number if d == 3 else number
+    time = r[ends]
+    # an evaluation at the time of the last one is a repeated one, or the first
+    elapsed = 0.0 if np.isnan(clock[0]) else time - clock[0]
+    clock[0] = time
+    for i in range(number):
+        for k in range(d):
+            a[d * i + k] = gravity[k]
+    for k in range(d * number, len(a)):
+        a[k] = 0.0
+    contacts, virial = _pairs(
+        sides, radii, inverse_masses, inverse_inertias, law, model, pairs, reach2, state[PAIRS], touching, stretches,
+        elapsed, r, v, a,
+    )  # fmt: skip
+    on_walls = np.zeros((len(walls) + 1, d))
+    torque = 0.0
+    if len(walls) > 0:
+        _planes(
+            d, radii, inverse_masses, inverse_inertias, walls, model, wall_stretches, elapsed, time, r, v, a, on_walls
+        )  # fmt: skip
+    if len(cylinder) > 0:
+        torque = _cylinder(
+            d, radii, inverse_masses, inverse_inertias, cylinder, model, wall_stretches[len(walls)], elapsed, r, v, a,
+            on_walls[len(walls)],
+        )  # fmt: skip
+    if tallies:
+        a[ends + 1], a[ends + 2] = contacts, virial
+        for wall in range(len(walls) + 1):
+            for k in range(d):
+                a[ends + 3 + d * wall + k] = on_walls[wall, k]
+        a[len(a) - 1] = torque
+
+
+@inner
+def _spring_energy(law: Any, model: Model, delta: float, radius: float) -> float:
+    """k delta^2/2, or 2 k sqrt(R_eff) delta^(5/2)/5."""
+    return law[STIFFNESS] * delta * delta * (0.4 * np.sqrt(delta * radius) if model.hertz else 0.5)
+
+
+@njit(cache=True, error_model="numpy")
+def elastic_energy(  # type: ignore[no-untyped-def]
+    sides, radii, law, model, walls, cylinder, skin, built, pairs, reach2, touching, stretches, state, time, r
+):
+    """Energy of the normal springs of all contacts, and the pairs' sum of r_ij . F_ij by them; NaN without a list."""
+    d = len(sides)
+    energy, virial = 0.0, 0.0
+    if not _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):
+        return np.nan, np.nan
+    for pair in range(state[PAIRS]):
+        i, j = pairs[pair, 0], pairs[pair, 1]
+        square = _apart2(sides, r, i, j)
+        if square < reach2[pair]:
+            distance = np.sqrt(square)
+            delta = radii[i] + radii[j] - distance
+            radius = radii[i] * radii[j] / (radii[i] + radii[j])
+            energy += _spring_energy(law, model, delta, radius)
+            virial += distance * law[STIFFNESS] * _scale(model, delta, radius) * delta
+    for wall in range(len(walls)):
+        axis, sign = int(walls[wall, AXIS]), walls[wall, SIGN]
+        angle = walls[wall, FREQUENCY] * time + walls[wall, PHASE]
+        place = walls[wall, PLACE] + sign * walls[wall, AMPLITUDE] * np.cos(angle)
+        for i in range(len(radii)):
+            delta = radii[i] - sign * (r[d * i + axis] - place)
+            if delta > 0.0:
+                energy += _spring_energy(walls[wall, WALL_LAW:], model, delta, radii[i])
+    if len(cylinder) > 0:
+        first, second = int(cylinder[AXIS_A]), int(cylinder[AXIS_B])
+        for i in range(len(radii)):
+            x, y = r[d * i + first] - cylinder[CENTRE_A], r[d * i + second] - cylinder[CENTRE_B]
+            delta = radii[i] - (cylinder[RADIUS] - np.sqrt(x * x + y * y))
+            if delta > 0.0:
+                energy += _spring_energy(cylinder[CYLINDER_LAW:], model, delta, radii[i])
+    return energy, virial
