@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.engines import soft_spheres
 from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
 from crosscheck.engines.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
@@ -28,6 +29,8 @@ EVOLVERS = {
     "lattice_numpy": "plain.PlainGas",
     "lattice_boltzmann": "boltzmann.BoltzmannLattice",
 }
+#: Schemes that move soft grains: the stretch of a contact grows once a step, at the new time.
+GRAINS = ("velocity_verlet", "leapfrog", "verlet", "symplectic_euler")
 #: What can be told from the states of the naive algorithm.
 _PLAIN = ("kinetic_energy", "potential_energy", "rotational_energy", "collisions", "events")
 
@@ -55,8 +58,12 @@ class RefimplEngine:
             from crosscheck.engines.refimpl_lattice import unsupported
 
             return unsupported(scene, method.scheme)
+        if method.contact is not None and (scene.hard_spheres is None or method.scheme in SCHEDULERS):
+            return f"method.contact is for [hard_spheres] and a scheme with time steps: {_names(GRAINS)}"
         if scene.hard_spheres is not None and method.scheme not in SCHEDULERS:
-            return f"'{method.scheme}' takes time steps, hard spheres need an event-driven scheme: {_names(SCHEDULERS)}"
+            if method.contact is not None and method.scheme not in GRAINS:
+                return f"soft grains need a scheme that asks for the force once a step: {_names(GRAINS)}"
+            return soft_spheres.unsupported(scene, method)
         if scene.hard_spheres is None and method.scheme in SCHEDULERS:
             return f"'{method.scheme}' is for [hard_spheres] only: take a scheme with time steps"
         if method.scheme == NAIVE and scene.hard_spheres is not None:
@@ -72,6 +79,10 @@ class RefimplEngine:
             from crosscheck.engines.refimpl_lattice import run_lattice
 
             return run_lattice(scene, method.scheme, EVOLVERS[method.scheme])
+        if scene.hard_spheres is not None and method.contact is not None:
+            from crosscheck.engines.refimpl_grains import run_grains
+
+            return run_grains(scene, method)
         if scene.hard_spheres is not None:
             from crosscheck.engines.refimpl_events import run_events
 

@@ -22,7 +22,7 @@ from refimpl.events.simulation import Simulation
 from refimpl.events.state import field_energy, kinetic_energies, rotational_energies, well_energy
 
 #: Tallies that `Simulation` counts anyway, without being asked.
-_COUNTED = ("collisions", "events", "rotational_energy", "operation_counts")
+_COUNTED = ("collisions", "events", "rotational_energy", "operation_counts", "contact_time")
 
 
 def run_events(scene: Scene, scheduler: Any) -> Run:
@@ -211,6 +211,6 @@ def _record(run: Run, sample: int, sim: Any, origin: Floats) -> None:
         measured["operation_counts"] = sim.operation_counts()
     if "rotational_energy" in asked:
         measured["rotational_energy"] = sim.rotational_energy()
-    measured |= {"collisions": sim.collisions, "events": sim.events}
+    measured |= {"collisions": sim.collisions, "events": sim.events, "contact_time": 0.0}
     for name, values in run.tallies.items():
         values[sample] = measured[name]

@@ -20,6 +20,7 @@ import numpy as np
 
 from crosscheck.engines.base import TALLY, Claims, Engine, Run, sample_times, tally_shapes
 from crosscheck.engines.registry import load_engine
+from crosscheck.engines.soft_spheres import resolved
 from crosscheck.errors import UsageError
 from crosscheck.scene import GAS_TALLIES, TALLIES, Method, Scene
 
@@ -29,7 +30,7 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     if request["call"] == "version":
         return {"version": engine.version()}
     scene = Scene.from_json(request["scene"])
-    method = Method.model_validate_json(request["method"])
+    method = resolved(scene, Method.model_validate_json(request["method"]))
     reason = engine.supports(scene, method)
     if request["call"] == "supports":
         return {"reason": reason}
@@ -47,7 +48,7 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
 
 def _check_step(claims: Claims | None, method: Method) -> None:
     """UsageError if a scheme that takes time steps has none, or one that does not take them has one."""
-    if claims is None or claims.stepping:
+    if claims is None or claims.stepping or claims.collisions:
         _ = method.step
     elif method.dt is not None:
         how = "takes whole steps of 1" if claims.lattice else "goes from event to event"

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from crosscheck.scene.parts import (
     Box,
+    Contact,
     Cylinder,
     Explicit,
     Face,
@@ -52,6 +53,7 @@ _PARTS: dict[str, type[Part]] = {
     "waves": Wave,
     "output": Output,
     "method": Method,
+    "contact": Contact,
 }
 _KINDS: dict[str, type[Part]] = {
     "explicit": Explicit,

@@ -368,6 +368,7 @@ Tally = Literal[
     "deepest_overlap",
     "operation_counts",
     "rotational_energy",
+    "contact_time",
 ]
 TALLIES: tuple[str, ...] = get_args(Tally)
 #: Of lattice gases only, in `Run.tallies` too. All but sites, the final states, are of each sample.
@@ -404,11 +405,46 @@ class Output(Part):
         return self
 
 
+class Contact(Part):
+    """What a method with time steps makes of hard spheres: spheres that overlap, and push each other apart.
+
+    law: of the overlap delta, F = k delta ("hooke") or k sqrt(R_eff delta) delta ("hertz"), with a dashpot that gives
+    the scene's restitution. stiffness: k; or, of "hooke", duration: t_c, for which two grains of the smallest mass
+    touch, t_c^2 = (pi^2 + ln^2 alpha) m/(2 k). friction: a tangential spring that remembers its stretch ("history") or
+    a tangential dashpot ("dashpot"), either up to Coulomb's limit. resolution: dt/t_c, in place of `dt`, which is then
+    the largest step up to it that divides the time between samples.
+    """
+
+    law: Literal["hooke", "hertz"] = "hooke"
+    stiffness: Positive | None = None
+    duration: Positive | None = None
+    friction: Literal["history", "dashpot"] = "history"
+    resolution: Positive | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if (self.stiffness is None) == (self.duration is None):
+            raise ValueError("give exactly one of stiffness and duration")
+        if self.law == "hertz" and (self.duration is not None or self.resolution is not None):
+            raise ValueError('law = "hertz": grains touch longer the slower they are: give stiffness, and method.dt')
+        return self
+
+
 class Method(Part):
-    """HOW it is integrated: the scheme's name and its time step, which event-driven schemes have not."""
+    """HOW it is integrated: the scheme's name and its time step, which event-driven schemes have not.
+
+    contact: how hard spheres touch, of schemes that let them overlap.
+    """
 
     scheme: str
     dt: Positive | None = None
+    contact: Contact | None = None
+
+    @model_validator(mode="after")
+    def _one_step(self) -> Self:
+        if self.dt is not None and self.contact is not None and self.contact.resolution is not None:
+            raise ValueError("dt and contact.resolution both say how long a step is: remove one")
+        return self
 
     @property
     def step(self) -> float:

@@ -1,0 +1,332 @@
+"""Hard spheres as soft ones: the laws handed over, the time step, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from crosscheck.engines.soft_spheres import (
+    contact_duration,
+    contact_stiffness,
+    inertia_ratio,
+    resolved,
+    soft_spheres,
+    unsupported,
+)
+from crosscheck.errors import UsageError
+from crosscheck.scene import (
+    Box,
+    Contact,
+    Cylinder,
+    Explicit,
+    Face,
+    Friction,
+    GrainFriction,
+    HardSpheres,
+    Method,
+    Oscillation,
+    Output,
+    RandomPhase,
+    Scene,
+    Spring,
+    Well,
+)
+
+ROUGH = GrainFriction(tangential_restitution=0.3, static=0.2, sliding=0.2)
+#: Roundings of a handful of operations, relative.
+ROUND_OFF = 1e-14
+
+
+def disks(**changes: Any) -> Scene:
+    entries: dict[str, Any] = {
+        "name": "disks",
+        "dimension": 2,
+        "duration": 4.0,
+        "hard_spheres": HardSpheres(),
+        "initial": Explicit(positions=((2.0, 2.0), (5.0, 2.0)), velocities=((1.0, 0.0), (0.0, 0.0))),
+    }
+    return Scene(**(entries | changes))
+
+
+def soft(scheme: str = "velocity_verlet", **contact: Any) -> Method:
+    return Method(scheme=scheme, contact=Contact(**({"stiffness": 1e4} | contact)))
+
+
+def hard(**faces: Face) -> Scene:
+    """Rough disks among four walls; x_lower: the face "x-", and so on."""
+    names = {name.replace("_lower", "-").replace("_upper", "+"): face for name, face in faces.items()}
+    box = Box(lengths=(9.0, 9.0), boundaries=("hard", "hard"), faces=names)
+    return disks(seed=0, hard_spheres=HardSpheres(friction=ROUGH), box=box)
+
+
+# -- the laws ----------------------------------------------------------------------------------------------------------
+
+
+@given(st.floats(0.05, 1.0), st.floats(-1.0, 1.0), st.floats(0.1, 1.0), st.floats(0.3, 5.0))
+def test_a_hooke_contact_gives_the_restitutions(alpha: float, alpha_t: float, inertia: float, mass: float) -> None:
+    """Both motions in closed form: in t_c, half a damped oscillation of delta, and u times cos(omega_t t_c)."""
+    friction = GrainFriction(tangential_restitution=alpha_t, inertia=inertia)
+    scene = disks(masses=mass, hard_spheres=HardSpheres(restitution=alpha, friction=friction))
+    law = soft_spheres(scene, Contact(stiffness=200.0)).pair
+    reduced = mass / 2
+    rate = law.damping * math.sqrt(law.stiffness / reduced) / 2
+    frequency = math.sqrt(law.stiffness / reduced - rate**2)
+    assert math.exp(-rate * math.pi / frequency) == pytest.approx(alpha, rel=1e-12)
+    assert contact_duration(scene, Contact(stiffness=200.0)) == pytest.approx(math.pi / frequency, rel=1e-12)
+    tangential = reduced * inertia / (1 + inertia)
+    turned = math.sqrt(law.tangential_stiffness / tangential) * math.pi / frequency
+    assert math.cos(turned) == pytest.approx(alpha_t, abs=1e-12)
+    assert law.tangential_damping == 0
+    assert law.friction == (0.0 if alpha_t == 1 else math.inf)
+
+
+@given(st.floats(0.05, 1.0), st.floats(0.01, 1.0), st.floats(0.1, 1.0))
+def test_a_tangential_dashpot_slows_by_alpha_t_in_the_contact_time(alpha: float, alpha_t: float, q: float) -> None:
+    friction = GrainFriction(tangential_restitution=alpha_t, static=0.4, sliding=0.4, inertia=q)
+    scene = disks(hard_spheres=HardSpheres(restitution=alpha, friction=friction))
+    contact = Contact(stiffness=200.0, friction="dashpot")
+    law = soft_spheres(scene, contact).pair
+    rate = law.tangential_damping * math.sqrt(0.5 * law.stiffness) / (0.5 * q / (1 + q))
+    assert math.exp(-rate * contact_duration(scene, contact)) == pytest.approx(alpha_t, rel=1e-12)
+    assert law.tangential_stiffness == 0
+    assert law.friction == (0.0 if alpha_t == 1 else 0.4)
+
+
+def test_hertz_damping_is_that_of_a_constant_restitution() -> None:
+    log = math.log(0.6)
+    scene = disks(hard_spheres=HardSpheres(restitution=0.6))
+    law = soft_spheres(scene, Contact(law="hertz", stiffness=200.0)).pair
+    assert law == pytest.approx((200.0, math.sqrt(5) * -log / math.hypot(math.pi, log), 0, 0, 0), rel=ROUND_OFF)
+
+
+def test_walls_have_restitutions_of_their_own_and_one_stiffness() -> None:
+    faces = {
+        "x_lower": Face(restitution=0.5),
+        "x_upper": Face(open=True),
+        "y_upper": Face(friction=Friction(tangential_restitution=-1.0)),
+    }
+    laws = soft_spheres(hard(**faces), Contact(duration=0.01))
+    stiffness = math.pi**2 / (2 * 0.01**2)
+    assert laws.cylinder is None
+    assert laws.faces[1] is None
+    assert [law.stiffness for law in (laws.pair, *filter(None, laws.faces))] == pytest.approx([stiffness] * 4)
+    assert laws.faces[0] is not None
+    assert laws.faces[0].damping == pytest.approx(2 * math.log(2) / math.hypot(math.pi, math.log(2)), rel=ROUND_OFF)
+    assert laws.faces[2] == (laws.pair.stiffness, 0.0, 0.0, 0.0, 0.0)
+    assert laws.faces[3] is not None
+    # arccos(-1) = pi: k_t/k = q/(1 + q) = 1/3 of disks
+    assert laws.faces[3].tangential_stiffness == pytest.approx(laws.pair.stiffness / 3, rel=ROUND_OFF)
+    assert laws.faces[3].friction == math.inf
+
+
+def test_cylinder() -> None:
+    wall = Cylinder(radius=4.0, restitution=0.5, friction=Friction(tangential_restitution=0.0))
+    scene = disks(
+        box=Box(lengths=(9.0, 9.0), boundaries=("open", "open"), cylinder=wall),
+        hard_spheres=HardSpheres(friction=ROUGH),
+    )
+    law = soft_spheres(scene, Contact(stiffness=10.0)).cylinder
+    decay = math.pi**2 + math.log(0.5) ** 2
+    assert law is not None
+    assert law.damping == pytest.approx(2 * math.log(2) / math.sqrt(decay), rel=ROUND_OFF)
+    assert law.tangential_stiffness == pytest.approx(10 / 3 * (math.pi / 2) ** 2 / decay, rel=ROUND_OFF)
+
+
+def test_duration_and_stiffness_are_of_the_smallest_mass() -> None:
+    scene = disks(masses=(3.0, 0.5), hard_spheres=HardSpheres(restitution=0.4))
+    decay = math.pi**2 + math.log(0.4) ** 2
+    assert contact_stiffness(scene, Contact(stiffness=7.0)) == 7.0
+    assert contact_duration(scene, Contact(duration=0.02)) == 0.02
+    assert contact_stiffness(scene, Contact(duration=0.02)) == pytest.approx(decay * 0.25 / 0.02**2, rel=ROUND_OFF)
+    back = Contact(stiffness=contact_stiffness(scene, Contact(duration=0.02)))
+    assert contact_duration(scene, back) == pytest.approx(0.02, rel=ROUND_OFF)
+
+
+@pytest.mark.parametrize(("dimension", "solid"), [(2, 0.5), (3, 0.4)])
+def test_inertia_is_a_solid_bodys_unless_given(dimension: int, solid: float) -> None:
+    positions = ((1.0,) * dimension, (4.0,) * dimension)
+    scene = disks(dimension=dimension, initial=Explicit(positions=positions))
+    assert inertia_ratio(scene) == solid
+    assert inertia_ratio(scene.changed(hard_spheres=HardSpheres(friction=ROUGH))) == solid
+    hollow = GrainFriction(tangential_restitution=0.0, inertia=0.6)
+    assert inertia_ratio(scene.changed(hard_spheres=HardSpheres(friction=hollow))) == 0.6
+
+
+# -- the time step -----------------------------------------------------------------------------------------------------
+
+
+@given(st.floats(1e-4, 0.5), st.floats(1e-3, 0.3), st.floats(0.05, 3.0), st.sampled_from([None, 1, 3, 8]))
+def test_the_step_is_the_largest_that_divides(ratio: float, t_c: float, duration: float, parts: int | None) -> None:
+    output = Output() if parts is None else Output(interval=duration / parts, observables=("kinetic_energy",))
+    scene = disks(duration=duration, output=output)
+    method = resolved(scene, soft(stiffness=None, duration=t_c, resolution=ratio))
+    span = duration / (parts or 1)
+    steps = round(span / method.step)
+    assert steps * method.step == pytest.approx(span, rel=ROUND_OFF)
+    assert method.step <= ratio * t_c * (1 + 1e-11)
+    # one step fewer would be too long
+    assert steps == 1 or span / (steps - 1) > ratio * t_c * (1 - 1e-11)
+    assert method.contact == Contact(duration=t_c)
+    assert resolved(scene, method) is method
+    # it divides the duration too
+    assert scene.steps(method.step) == steps * (parts or 1)
+
+
+def test_a_resolution_that_divides_is_taken_as_it_is() -> None:
+    method = resolved(disks(duration=1.0), soft(stiffness=None, duration=0.1, resolution=0.01))
+    assert method.step == pytest.approx(1e-3, rel=ROUND_OFF)
+
+
+def test_an_interval_at_which_nothing_is_recorded_does_not_count() -> None:
+    scene = disks(duration=1.0, output=Output(interval=0.25))
+    assert resolved(scene, soft(stiffness=None, duration=1.0, resolution=1.0)).dt == 1.0
+
+
+def test_a_scene_of_no_duration_has_a_step_all_the_same() -> None:
+    assert resolved(disks(duration=0.0), soft(stiffness=None, duration=0.1, resolution=0.01)).dt == 0.1
+
+
+def test_other_methods_stay_as_they_are() -> None:
+    for method in (
+        Method(scheme="event_driven"),
+        soft(),
+        Method(scheme="verlet", dt=0.1, contact=Contact(duration=1.0)),
+    ):
+        assert resolved(disks(), method) is method
+
+
+def test_a_resolution_needs_spheres_that_separate() -> None:
+    method = soft(resolution=0.01)
+    spring = Scene(
+        name="spring", dimension=2, duration=1.0, spring=Spring(k=1.0), initial=Explicit(positions=((1.0, 0.0),))
+    )
+    for scene in (spring, disks(hard_spheres=HardSpheres(restitution=0.0))):
+        with pytest.raises(UsageError, match=r"resolution needs \[hard_spheres\] with a restitution above 0"):
+            resolved(scene, method)
+
+
+# -- what is refused ---------------------------------------------------------------------------------------------------
+
+SLIPPERY = GrainFriction(tangential_restitution=0.3, static=0.4, sliding=0.2)
+AT_AN_INSTANT = "walls of soft spheres rest or oscillate"
+CYLINDER = {"lengths": (9.0, 9.0), "boundaries": ("open", "open")}
+
+
+@pytest.mark.parametrize(
+    ("scene", "method", "reason"),
+    [
+        (disks(), Method(scheme="velocity_verlet", dt=0.1), "need an event-driven scheme, or method.contact"),
+        (disks(hard_spheres=HardSpheres(restitution=0.0)), soft(), "restitution 0 needs an event-driven scheme"),
+        (hard(y_upper=Face(restitution=0.0)), soft(), "restitution 0 needs an event-driven scheme"),
+        (disks(box=Box(**CYLINDER, cylinder=Cylinder(radius=4.0, restitution=0.0))), soft(), "restitution 0"),
+        (disks(hard_spheres=HardSpheres(well=Well(depth=1.0, range=1.5))), soft(), "no hard_spheres.well"),
+        (disks(species=(0, 1), hard_spheres=HardSpheres(fixed=(1,))), soft(), "no hard_spheres.fixed"),
+        (disks(hard_spheres=HardSpheres(contact_duration=0.1)), soft(), "no hard_spheres.contact_duration"),
+        (disks(hard_spheres=HardSpheres(diameter=0.0)), soft(), "no hard_spheres.diameter = 0"),
+        (disks(species=(0, 1), hard_spheres=HardSpheres(diameter=(1.0, 0.0))), soft(), "no hard_spheres.diameter = 0"),
+        (disks(output=Output(collisions=(1,), trajectory=True)), soft(), "no output.collisions"),
+        (hard(x_lower=Face(velocity=1.0)), soft(), AT_AN_INSTANT),
+        (hard(x_lower=Face(random_phase=RandomPhase(speed=1.0))), soft(), AT_AN_INSTANT),
+        (hard(x_lower=Face(temperature=1.0)), soft(), AT_AN_INSTANT),
+        (disks(hard_spheres=HardSpheres(friction=SLIPPERY)), soft(), "static and sliding must be equal"),
+        (
+            hard(x_lower=Face(friction=Friction(tangential_restitution=0.3, static=0.4, sliding=0.2))),
+            soft(),
+            "must be equal",
+        ),
+        (disks(hard_spheres=HardSpheres(friction=ROUGH)), soft(law="hertz"), 'take "hooke"'),
+        (
+            disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0))),
+            soft(friction="dashpot"),
+            "tangential_restitution must be above 0",
+        ),
+        (
+            disks(output=Output(interval=1.0, observables=("collisions", "contact_time", "dissipated_energy"))),
+            soft(),
+            "of soft spheres collisions, dissipated_energy cannot be measured",
+        ),
+    ],
+)
+def test_reasons(scene: Scene, method: Method, reason: str) -> None:
+    found = unsupported(scene, method)
+    assert found is not None
+    assert reason in found
+
+
+@pytest.mark.parametrize(
+    ("scene", "method"),
+    [
+        (disks(), soft()),
+        (disks(), soft(law="hertz")),
+        (disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=1.0))), soft(law="hertz")),
+        (disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=-1.0))), soft()),
+        (hard(x_lower=Face(oscillation=Oscillation(amplitude=0.1, frequency=2.0))), soft(friction="dashpot")),
+        (hard(x_lower=Face(open=True)), soft()),
+        (
+            disks(
+                hard_spheres=HardSpheres(friction=ROUGH),
+                output=Output(interval=1.0, observables=("kinetic_energy", "contact_time", "rotational_energy")),
+            ),
+            soft(friction="dashpot"),
+        ),
+    ],
+)
+def test_what_is_taken(scene: Scene, method: Method) -> None:
+    assert unsupported(scene, method) is None
+
+
+# -- the words of a method ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("entries", "message"),
+    [
+        ({}, "exactly one of stiffness and duration"),
+        ({"stiffness": 1.0, "duration": 1.0}, "exactly one of stiffness and duration"),
+        ({"duration": 1.0, "law": "hertz"}, "give stiffness, and method.dt"),
+        ({"stiffness": 1.0, "law": "hertz", "resolution": 0.1}, "give stiffness, and method.dt"),
+        ({"stiffness": 0.0}, "greater than 0"),
+        ({"duration": -1.0}, "greater than 0"),
+        ({"duration": 1.0, "resolution": 0.0}, "greater than 0"),
+        ({"stiffness": 1.0, "law": "linear"}, "'hooke' or 'hertz'"),
+        ({"stiffness": 1.0, "friction": "none"}, "'history' or 'dashpot'"),
+        ({"stiffness": 1.0, "damping": 0.1}, "Extra inputs"),
+    ],
+)
+def test_contacts_say_what_is_wrong_with_them(entries: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Contact(**entries)
+
+
+def test_one_step_or_the_other() -> None:
+    with pytest.raises(ValueError, match="both say how long a step is"):
+        Method(scheme="velocity_verlet", dt=0.1, contact=Contact(duration=1.0, resolution=0.1))
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        Contact(stiffness=1e4),
+        Contact(law="hertz", stiffness=3.0, friction="dashpot"),
+        Contact(duration=0.01, resolution=1 / 50),
+    ],
+)
+def test_toml_keeps_a_method_with_a_contact(contact: Contact, tmp_path: Path) -> None:
+    dt = None if contact.resolution else 1e-3
+    scene = disks(method=Method(scheme="velocity_verlet", dt=dt, contact=contact))
+    path = tmp_path / "scene.toml"
+    path.write_text(scene.to_toml(), encoding="utf-8")
+    assert Scene.load(path) == scene
+
+
+def test_a_scene_file_is_told_what_its_contact_lacks(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    text = disks(method=soft()).to_toml()
+    path.write_text(text.replace("stiffness = 10000.0", "stiff = 1.0"), encoding="utf-8")
+    with pytest.raises(UsageError, match=r"method\.contact"):
+        Scene.load(path)
