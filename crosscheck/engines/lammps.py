@@ -1,4 +1,4 @@
-"""LAMMPS as an engine: velocity Verlet (`fix nve`) for Lennard-Jones, springs and gravity.
+"""LAMMPS as an engine: velocity Verlet (`fix nve`) for Lennard-Jones, springs, gravity and soft grains.
 
 Literature: A. P. Thompson et al., Comput. Phys. Commun. 271, 108171 (2022).
 
@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
+from crosscheck.engines.base import Claims, Run, sample_times, timed
 from crosscheck.scene import Floats, Method, Scene, State
 
 _MPI = "libmpi.so.12"
@@ -29,6 +29,8 @@ _MOST_TYPES = 100
 _MOST_BODIES = 2000
 #: A box and a cutoff that no spring or orbit leaves; their squares and volumes are still finite.
 _FAR = 1e50
+#: In open space, lists of all pairs up to this number: cells fail on a cluster that flies apart.
+FEW = 1000
 _LJ_STYLES = {"truncated": "lj/cut/opt", "shifted": "lj/cut/opt", "force_shifted": "lj/smooth/linear"}
 #: How LAMMPS tells that the motion, not the input, has gone wrong.
 _DIVERGENCE = (
@@ -37,6 +39,7 @@ _DIVERGENCE = (
     "simulation unstable",
     "Particle on or inside",
     "Too many neighbor bins",
+    "Too many atom sorting bins",
     "Domain too large",
     "Out of range atoms",
 )
@@ -55,7 +58,9 @@ class LammpsEngine:
         if method.scheme not in self.schemes:
             return f"no scheme '{method.scheme}': fix nve is velocity Verlet"
         if scene.hard_spheres is not None:
-            return "its grains are soft: no hard spheres"
+            from crosscheck.engines import lammps_granular
+
+            return lammps_granular.unsupported(scene, method)
         if np.min(scene.masses) <= 0:
             return "LAMMPS needs positive masses"
         if scene.spring is not None:
@@ -84,21 +89,54 @@ class LammpsEngine:
         # -nonbuf: the last lines are in the log even after a crash
         lmp = lammps.lammps(cmdargs=["-log", "none", "-echo", "none", "-nonbuf"])
         try:
+            if scene.hard_spheres is not None:
+                from crosscheck.engines import lammps_granular
+
+                return lammps_granular.integrate(lammps, lmp, scene, method)
             return _integrate(lammps, lmp, scene, method)
         finally:
             lmp.close()
 
 
 def _integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
-    state = scene.initial_state()
-    system = _System(lmp, scene, state)
-    steps, every = scene.steps(method.step), scene.every(method.step) or max(scene.steps(method.step), 1)
+    system = _System(lmp, scene, scene.initial_state())
+    _, every = strides(scene, method)
     output = scene.output
     lmp.commands_list(
         ["fix integrate all nve", *(["fix plane all enforce2d"] if scene.dimension < 3 else [])]
-        + [f"timestep {method.step!r}", "thermo_style custom step", f"thermo {every}"]
-        + ["thermo_modify norm no lost error"]  # lost atoms are noticed when thermo prints: at every sample
         + [line for name in output.observables for line in _record(name, scene.dimension, every)]
+    )
+    run, good = advance(lmp, system, scene, method)
+    for name in output.observables:
+        values = np.full(run.time.size, np.nan)
+        for i in range(good):
+            values[i] = lmp.extract_fix(name, lammps.LMP_STYLE_GLOBAL, lammps.LMP_TYPE_VECTOR, i)
+        setattr(run, name, values)
+    if output.forces:
+        nowhere = np.full_like(run.final_positions, np.nan)
+        run.forces = nowhere if run.diverged else _forces(lmp, system, output.observables)
+    return run
+
+
+def strides(scene: Scene, method: Method) -> tuple[int, int]:
+    """Steps of the run, and steps between samples."""
+    steps = scene.steps(method.step)
+    return steps, scene.every(method.step) or max(steps, 1)
+
+
+def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, int]:
+    """Runs a scene whose forces, integrator and records are set up.
+
+    Returns the run without its observables, and the number of samples before it diverged.
+    """
+    steps, every = strides(scene, method)
+    lmp.commands_list(
+        [
+            f"timestep {method.step!r}",
+            "thermo_style custom step",
+            f"thermo {every}",
+            "thermo_modify norm no lost error",  # lost atoms are noticed when thermo prints: at every sample
+        ]
     )
     # `start` and `stop` tell `fix vector` how many values the pieces of the run will bring altogether
     whole = f"post no start 0 stop {steps}"
@@ -106,18 +144,23 @@ def _integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
 
     times = sample_times(scene, method)
     shape = (times.size, scene.number, scene.dimension)
-    positions = np.full(shape, np.nan) if output.trajectory else None
-    velocities = np.full(shape, np.nan) if output.trajectory else None
-    if positions is not None and velocities is not None:
-        positions[0], velocities[0] = state.positions, state.velocities
-    cost = Cost()
-    diverged = False
-    with timed(cost):
+    nowhere = np.full(shape[1:], np.nan)
+    run = Run(time=times, final_positions=nowhere, final_velocities=nowhere)
+    spins = scene.spin_dimension
+    if scene.output.trajectory:
+        run.positions, run.velocities = np.full(shape, np.nan), np.full(shape, np.nan)
+        run.positions[0], run.velocities[0] = atoms.state.positions, atoms.state.velocities
+        if spins:
+            run.angular_velocities = np.full((*shape[:2], spins), np.nan)
+            run.angular_velocities[0] = atoms.state.angular_velocities
+    with timed(run.cost):
         try:
-            if positions is not None and velocities is not None:
+            if run.positions is not None and run.velocities is not None:
                 for sample in range(1, times.size):
                     lmp.command(f"run {every} pre no {whole}")
-                    positions[sample], velocities[sample] = system.positions(), system.velocities()
+                    run.positions[sample], run.velocities[sample] = atoms.positions(), atoms.velocities()
+                    if run.angular_velocities is not None:
+                        run.angular_velocities[sample] = atoms.angular_velocities()
                 rest = steps % every
                 if rest:
                     lmp.command(f"run {rest} pre no {whole}")
@@ -127,29 +170,19 @@ def _integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
             if not any(sign in str(error) for sign in _DIVERGENCE):
                 raise
             print(error)
-            diverged = True
-    cost.steps = int(lmp.extract_global("ntimestep"))
-    cost.evaluations = cost.steps + 1
-    good = -(-cost.steps // every) if diverged else times.size  # samples before the step that failed
+            run.diverged = True
+    run.cost.steps = int(lmp.extract_global("ntimestep"))
+    run.cost.evaluations = run.cost.steps + 1
+    good = -(-run.cost.steps // every) if run.diverged else times.size  # samples before the step that failed
 
-    nowhere = np.full(shape[1:], np.nan)
-    run = Run(
-        time=times,
-        final_positions=nowhere if diverged else system.positions(),
-        final_velocities=nowhere if diverged else system.velocities(),
-        positions=positions,
-        velocities=velocities,
-        cost=cost,
-    )
-    for name in output.observables:
-        values = np.full(times.size, np.nan)
-        for i in range(good):
-            values[i] = lmp.extract_fix(name, lammps.LMP_STYLE_GLOBAL, lammps.LMP_TYPE_VECTOR, i)
-        setattr(run, name, values)
-    run.diverged = diverged or not bool(np.isfinite([run.final_positions, run.final_velocities]).all())
-    if output.forces:
-        run.forces = nowhere if run.diverged else _forces(lmp, system, output.observables)
-    return run
+    if spins:
+        run.final_angular_velocities = np.full((scene.number, spins), np.nan)
+    if not run.diverged:
+        run.final_positions, run.final_velocities = atoms.positions(), atoms.velocities()
+        if spins:
+            run.final_angular_velocities = atoms.angular_velocities()
+        run.diverged = not bool(np.isfinite([run.final_positions, run.final_velocities]).all())
+    return run, good
 
 
 def _record(name: str, dimension: int, every: int) -> list[str]:
@@ -158,12 +191,12 @@ def _record(name: str, dimension: int, every: int) -> list[str]:
         return ["compute kinetic all ke", f"fix {name} all vector {every} c_kinetic"]
     if name == "potential_energy":
         return [f"fix {name} all vector {every} c_thermo_pe"]
-    # the pressure of the pair forces alone, so W = d V P
-    return [
-        "compute pressure all pressure NULL pair",
-        f"variable virial equal {dimension}*vol*c_pressure",
-        f"fix {name} all vector {every} v_virial",
-    ]
+    return [*pair_virial(dimension), f"fix {name} all vector {every} v_virial"]
+
+
+def pair_virial(dimension: int) -> list[str]:
+    """Commands that define the variable `virial`, from the pressure of the pair forces alone: W = d V P."""
+    return ["compute pressure all pressure NULL pair", f"variable virial equal {dimension}*vol*c_pressure"]
 
 
 def _forces(lmp: Any, system: _System, observables: tuple[str, ...]) -> Floats:
@@ -172,43 +205,83 @@ def _forces(lmp: Any, system: _System, observables: tuple[str, ...]) -> Floats:
     return system.forces()
 
 
-class _System:
-    """The particles of a scene in a LAMMPS instance, in the scene's order."""
+class Atoms:
+    """The particles of a scene in a LAMMPS instance, in the scene's order.
+
+    LAMMPS holds wrapped positions and counts the boxes crossed; the box a particle starts in is kept here.
+    """
+
+    def __init__(self, lmp: Any, state: State, periods: Floats) -> None:
+        """periods: (d,), 0 along axes that are not periodic."""
+        self._lmp = lmp
+        self.state = state
+        self._periods = periods
+        lengths = np.where(periods > 0, periods, np.inf)
+        self._home = np.floor(state.positions / lengths) * periods
+        self.wrapped = state.positions - self._home
+        self.wrapped[self.wrapped >= lengths] = 0.0
+
+    def create(self, types: list[int], start: Floats) -> None:
+        """Makes the atoms at `start`; the box must be there."""
+        number = len(types)
+        velocities = _three(self.state.velocities)
+        self._lmp.create_atoms(number, list(range(1, number + 1)), types, _three(start), velocities)
+        if self._lmp.get_natoms() != number:
+            raise RuntimeError(f"LAMMPS made {self._lmp.get_natoms()} atoms of {number} particles")
+
+    def assign(self, name: str, values: Floats) -> None:
+        """Gives every atom its value, (N,), or vector, (N, 3)."""
+        flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
+        columns = flat.size // len(self.state.masses)
+        self._lmp.scatter_atoms(name, 1, columns, (ctypes.c_double * flat.size)(*flat))
+
+    def positions(self) -> Floats:
+        return self._plane("x") + (self._plane("image", 0) * self._periods + self._home)
+
+    def velocities(self) -> Floats:
+        return self._plane("v")
+
+    def forces(self) -> Floats:
+        return self._plane("f")
+
+    def angular_velocities(self) -> Floats:
+        """(N, 1) in the plane, (N, 3) in space."""
+        return self._gather("omega", 1)[:, 2 if self._periods.size == 2 else 0 :]
+
+    def _plane(self, name: str, kind: int = 1) -> Floats:
+        return self._gather(name, kind)[:, : self._periods.size]
+
+    def _gather(self, name: str, kind: int) -> Any:
+        return np.ctypeslib.as_array(self._lmp.gather_atoms(name, kind, 3)).reshape(-1, 3).astype(np.float64)
+
+
+class _System(Atoms):
+    """The particles of springs, Lennard-Jones or gravity, and their forces."""
 
     def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
-        self._lmp = lmp
-        self._dimension = scene.dimension
-        self._periods = np.zeros(scene.dimension)
+        periods = np.zeros(scene.dimension)
+        if state.lengths is not None:
+            periodic = [boundary == "periodic" for boundary in scene.boundaries]
+            periods[periodic] = state.lengths[periodic]
+        super().__init__(lmp, state, periods)
         kinds = _kinds(scene)
         self.types = sorted(set(kinds))
-        number = scene.number
         style = "charge" if scene.gravity is not None else "atomic"
         lmp.commands_list(["units lj", f"atom_style {style}", *self._box(scene, state)])
         lmp.commands_list([f"mass {i} {mass!r}" for i, (_, mass) in enumerate(self.types, 1)])
-
-        # LAMMPS holds wrapped positions and counts the boxes crossed; the box a particle starts in is kept here
-        periods = np.where(self._periods > 0, self._periods, np.inf)
-        self._home = np.floor(state.positions / periods) * self._periods
-        wrapped = state.positions - self._home
-        wrapped[wrapped >= periods] = 0.0
-        start = np.zeros_like(wrapped) if scene.spring is not None else wrapped
-        types = [self.types.index(kind) + 1 for kind in kinds]
-        lmp.create_atoms(number, list(range(1, number + 1)), types, _three(start), _three(state.velocities))
-        if lmp.get_natoms() != number:
-            raise RuntimeError(f"LAMMPS made {lmp.get_natoms()} atoms of {number} particles")
+        start = np.zeros_like(self.wrapped) if scene.spring is not None else self.wrapped
+        self.create([self.types.index(kind) + 1 for kind in kinds], start)
 
         if scene.gravity is not None:
-            lmp.scatter_atoms("q", 1, 1, (ctypes.c_double * number)(*state.masses))
+            self.assign("q", state.masses)
         if scene.spring is not None:
             lmp.commands_list(list(_spring(scene)))
             # the springs are tied where the atoms were when the fix was defined, the origin; now to their places
-            lmp.scatter_atoms("x", 1, 3, (ctypes.c_double * (3 * number))(*_three(wrapped)))
+            self.assign("x", np.reshape(_three(self.wrapped), (-1, 3)))
         else:
             lmp.commands_list(list(_gravity(scene) if scene.gravity else _lennard_jones(scene, self.types)))
 
     def _box(self, scene: Scene, state: State) -> Iterator[str]:
-        yield f"dimension {max(scene.dimension, 2)}"
-        yield f"atom_modify map array{'' if scene.box else ' sort 0 0'}"
         styles = ["p"] * 3
         edges = [(-0.5, 0.5)] * 3
         for axis, boundary in enumerate(scene.boundaries):
@@ -220,25 +293,18 @@ class _System:
             else:
                 assert state.lengths is not None
                 styles[axis], edges[axis] = "p" if boundary == "periodic" else "f", (0.0, float(state.lengths[axis]))
-            if boundary == "periodic":
-                self._periods[axis] = edges[axis][1]
-        yield f"boundary {' '.join(styles)}"
-        yield f"region box block {' '.join(repr(edge) for pair in edges for edge in pair)} units box"
-        yield f"create_box {len(self.types)} box"
+        yield from box(scene.dimension, styles, edges, len(self.types), sort=scene.box is not None)
 
-    def positions(self) -> Floats:
-        images = self._gather("image", 0)
-        return self._gather("x", 1) + (images * self._periods + self._home)
 
-    def velocities(self) -> Floats:
-        return self._gather("v", 1)
-
-    def forces(self) -> Floats:
-        return self._gather("f", 1)
-
-    def _gather(self, name: str, kind: int) -> Any:
-        flat = np.ctypeslib.as_array(self._lmp.gather_atoms(name, kind, 3))
-        return flat.reshape(-1, 3)[:, : self._dimension].astype(np.float64)
+def box(
+    dimension: int, styles: list[str], edges: list[tuple[float, float]], types: int, *, sort: bool
+) -> Iterator[str]:
+    """Commands that make the box, of three boundary styles and pairs of edges. sort: reorder the atoms by place."""
+    yield f"dimension {max(dimension, 2)}"
+    yield f"atom_modify map array{'' if sort else ' sort 0 0'}"
+    yield f"boundary {' '.join(styles)}"
+    yield f"region box block {' '.join(repr(edge) for pair in edges for edge in pair)} units box"
+    yield f"create_box {types} box"
 
 
 def _kinds(scene: Scene) -> list[tuple[int, float]]:
@@ -295,8 +361,7 @@ def _lennard_jones(scene: Scene, types: list[tuple[int, float]]) -> Iterator[str
         same = epsilons[i] == epsilons[j]
         epsilon = epsilons[i] if same else float(np.sqrt(epsilons[i] * epsilons[j]))  # Berthelot
         yield f"pair_coeff {i + 1} {j + 1} {epsilon!r} {0.5 * (sigmas[i] + sigmas[j])!r}"  # Lorentz
-    # cells fail on a cluster that flies apart in open space
-    few_in_the_open = "open" in scene.boundaries and scene.number <= 1000
+    few_in_the_open = "open" in scene.boundaries and scene.number <= FEW
     yield f"neighbor {0.3 * max(sigmas)!r} {'nsq' if few_in_the_open else 'bin'}"
     yield "neigh_modify every 1 delay 0 check yes"
     wall = None if scene.box is None else scene.box.wall

@@ -274,7 +274,7 @@ PAIR = Explicit(positions=((0.0, 0.0), (1.0, 0.0)))
                masses=tuple(np.arange(1.0, 102.0))), "velocity_verlet", "at most 100"),
         (fluid(box=Box(lengths=(5.0,) * 3, boundaries=("wall",) * 3, wall=Wall(cutoff=1.0))), "velocity_verlet",
          "on or beyond a wall"),
-        (fluid(lennard_jones=None, hard_spheres=HardSpheres(), output=Output()), "velocity_verlet", "no hard spheres"),
+        (fluid(lennard_jones=None, hard_spheres=HardSpheres(), output=Output()), "velocity_verlet", "method.contact"),
     ],
 )  # fmt: skip
 def test_reasons(lammps: Worker, scene: Scene, scheme: str, reason: str | None) -> None:
