@@ -368,7 +368,8 @@ def _extrapolated(laboratory: Laboratory, e: float, periods: int) -> tuple[Limit
 def _rounding_variants(engine: str, schemes: dict[str, Claims]) -> tuple[str, ...]:
     if engine == "refimpl":  # e = 0.99 costs much, and is extrapolated against REBOUND
         return tuple(f"e{e:g}/velocity_verlet" for e in ECCENTRICITIES[:-1])
-    return tuple(f"e{e:g}/{name}" for e in ECCENTRICITIES for name, claims in schemes.items() if claims.order is None)
+    adaptive = [name for name, claims in schemes.items() if claims.stepping and claims.order is None]
+    return tuple(f"e{e:g}/{name}" for e in ECCENTRICITIES for name in adaptive)
 
 
 def _judge_rounding(laboratory: Laboratory, variant: str) -> Judgement:

@@ -68,7 +68,7 @@ def _best_schemes(engine: str, schemes: dict[str, Claims]) -> tuple[str, ...]:
     """velocity Verlet, extrapolated, of `refimpl`; the adaptive schemes of others."""
     if engine == "refimpl":
         return ("velocity_verlet",)
-    return tuple(name for name, claims in schemes.items() if claims.order is None)
+    return tuple(name for name, claims in schemes.items() if claims.stepping and claims.order is None)
 
 
 # -- the figure eight --------------------------------------------------------------------------------------------------

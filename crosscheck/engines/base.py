@@ -26,7 +26,8 @@ class Claims:
     order, order_damped: global orders of the error (position, velocity) for f(r) and for f(r, v); None: no fixed order
     (adaptive), or velocity-dependent forces not supported. symplectic, reversible: of the map from the initial to the
     final (r, v); None: nothing is claimed, and nothing is checked. events: the scheme goes from event to event and has
-    no time step. lattice: the scheme moves a lattice gas, by whole steps of 1. The checks of the others pass both by.
+    no time step. lattice: the scheme moves a lattice gas, by whole steps of 1. collisions: the scheme moves hard
+    spheres by time steps and looks for collisions at each. The checks of integrators pass all three by.
     """
 
     order: tuple[int, int] | None
@@ -35,11 +36,12 @@ class Claims:
     reversible: bool | None = None
     events: bool = False
     lattice: bool = False
+    collisions: bool = False
 
     @property
     def stepping(self) -> bool:
-        """The scheme takes time steps dt."""
-        return not (self.events or self.lattice)
+        """The scheme integrates forces by time steps dt."""
+        return not (self.events or self.lattice or self.collisions)
 
 
 @dataclass
@@ -160,7 +162,8 @@ def tally_shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
     energy given by each face to the particles; wall_collisions; wall_torque: angular impulse about the cylinder's axis
     given by it to the particles. kinetic_energy_integral, potential_energy_integral: over time. deepest_overlap: the
     largest (s - r)/s of a pair at its collision so far, s its contact distance. operation_counts: the columns of
-    `OPERATIONS`. fields: "field_mass", over the grid, stands for them all.
+    `OPERATIONS`. fields: "field_mass", over the grid, stands for them all. contact_time: number of pairs in contact,
+    integrated over time; 0 of hard spheres, and the number of collisions times t_c of soft ones.
     """
     if scene.lattice_gas is not None:
         return gas_tally_shapes(scene, samples)

@@ -1,4 +1,4 @@
-"""REBOUND as an engine: gravity by leap-frog, WHFast and IAS15.
+"""REBOUND as an engine: gravity by leap-frog, WHFast and IAS15; hard spheres by its searches for collisions.
 
 Literature: H. Rein and S.-F. Liu, Astron. Astrophys. 537, A128 (2012); H. Rein and D. Tamayo, Mon. Not. R. Astron. Soc.
 452, 376 (2015), WHFast; H. Rein and D. S. Spiegel, Mon. Not. R. Astron. Soc. 446, 1424 (2015), IAS15.
@@ -14,9 +14,12 @@ import numpy as np
 from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
 from crosscheck.scene import Floats, Method, Scene
 
+#: Schemes of hard spheres, and REBOUND's name of the search for collisions.
+SEARCHES = {"collisions_direct": "direct", "collisions_line": "line", "collisions_tree": "tree"}
+
 
 class ReboundEngine:
-    """Gravity between all pairs.
+    """Gravity between all pairs, and smooth hard spheres (see `crosscheck.engines.rebound_collisions`).
 
     leapfrog: drift, kick, drift: position Verlet, not velocity Verlet.
     whfast: Kepler motion of each body about those before it (Jacobi coordinates: the first is meant to dominate)
@@ -30,7 +33,7 @@ class ReboundEngine:
         "leapfrog": Claims((2, 2), None, symplectic=True, reversible=True),
         "whfast": Claims((2, 2), None, symplectic=True),
         "ias15": Claims(None, None),
-    }
+    } | {name: Claims(None, collisions=True) for name in SEARCHES}
 
     def version(self) -> str:
         import rebound
@@ -40,8 +43,16 @@ class ReboundEngine:
     def supports(self, scene: Scene, method: Method) -> str | None:
         if method.scheme not in self.schemes:
             return f"no scheme '{method.scheme}'"
+        if method.scheme in SEARCHES:
+            if scene.hard_spheres is None:
+                return f"'{method.scheme}' is for [hard_spheres] only"
+            from crosscheck.engines.rebound_collisions import unsupported
+
+            return unsupported(scene, method)
+        if scene.hard_spheres is not None:
+            return f"'{method.scheme}' is for gravity, hard spheres need one of {', '.join(SEARCHES)}"
         if scene.gravity is None:
-            return "only gravity scenes"
+            return "only gravity and hard spheres"
         if scene.dimension == 1:
             return "gravity is for two or three dimensions"
         if scene.gravity.softening is not None:
@@ -58,6 +69,10 @@ class ReboundEngine:
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
+        if method.scheme in SEARCHES:
+            from crosscheck.engines.rebound_collisions import run_collisions
+
+            return run_collisions(scene, method, SEARCHES[method.scheme])
         state = scene.initial_state()
         simulation = _simulation(scene, state.positions, state.velocities, state.masses)
         simulation.integrator = method.scheme
