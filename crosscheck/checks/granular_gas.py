@@ -556,7 +556,7 @@ def _judge_contact_duration(laboratory: Laboratory, variant: str) -> Judgement:
 
 # -- the checks --------------------------------------------------------------------------------------------------------
 
-_RESTITUTION_SQUARED = Fault(
+RESTITUTION_SQUARED = Fault(
     "restitution-squared",
     "events/rules.py",
     "normal = -(1.0 + alpha) * gn * mass",
@@ -575,7 +575,7 @@ def _haff_check(name: str, tier: Any, variants: tuple[str, ...]) -> Check:
         citation="Haff, J. Fluid Mech. 134, 401 (1983); van Noije & Ernst, Granul. Matter 1, 57 (1998)",
         judge=_judge_haff,
         variants=fixed(*variants),
-        faults=((variants[0], _RESTITUTION_SQUARED),),
+        faults=((variants[0], RESTITUTION_SQUARED),),
         tier=tier,
     )
 
@@ -635,7 +635,7 @@ CHECKS = (
         citation="McNamara & Young, Phys. Fluids A 4, 496 (1992); Bernu & Mazighi, J. Phys. A 23, 5745 (1990)",
         judge=_judge_collapse,
         variants=fixed("three", "wall-2", "wall-3", "wall-5"),
-        faults=(("wall-5", _RESTITUTION_SQUARED),),
+        faults=(("wall-5", RESTITUTION_SQUARED),),
         tier="full",
     ),
     Check(
