@@ -324,7 +324,7 @@ _SEARCHES = 64
 
 
 def _judge_search(laboratory: Laboratory, variant: str) -> Judgement:
-    """REBOUND, whose collisions are up to a step late, against the event-driven gas, as the step vanishes."""
+    """REBOUND, whose collisions are up to a step late, against the event-driven gas: whichever of them is judged."""
     elastic = variant == "collision-rate"
     gas = Scene(
         name="search",
@@ -410,7 +410,7 @@ CHECKS = (
         judge=_judge_search,
         variants=fixed("collision-rate", "cooling"),
         faults=(("cooling", RESTITUTION_SQUARED),),
-        engines=("rebound",),
+        engines=("refimpl", "rebound"),
         tier="full",
     ),
 )

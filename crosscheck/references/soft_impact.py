@@ -78,7 +78,9 @@ def damping(alpha: float, law: Literal["hooke", "hertz"] = "hooke") -> float:
     """
     if alpha == 0:
         return LARGEST_DAMPING[law]
-    return LARGEST_DAMPING[law] * math.cos(_chi(alpha))
+    if not 0 < alpha <= 1:
+        raise ValueError("the restitution of a soft contact is above 0, and at most 1")
+    return LARGEST_DAMPING[law] * abs(math.log(alpha)) / math.hypot(math.pi, math.log(alpha))
 
 
 def restitution(c: float, law: Literal["hooke", "hertz"] = "hooke") -> float:
