@@ -91,7 +91,8 @@ def _map(title: str, values: Floats, frame: Frame | Drum, label: str) -> Figure:
     return Figure(title, "x", "y", map=FieldMap(values.T.tolist(), frame, label))
 
 
-def _picture(title: str, run: Run, frame: Frame | Drum, period: float, values: Floats, label: str) -> Figure:
+def snapshot_figure(title: str, run: Run, frame: Frame | Drum, period: float, values: Floats, label: str) -> Figure:
+    """Disks of diameter 1 at the end of a run, coloured by `values`; period: of x, or 0."""
     x, y = wrapped(run.final_positions, np.array([period, 0.0])).T
     ends = (0.0, float(np.nanquantile(values, 0.98)))
     return Figure(title, "x", "y", snapshot=Snapshot(x.tolist(), y.tolist(), 0.5, frame, values.tolist(), label, ends))
@@ -191,8 +192,10 @@ def _judge_shaken(laboratory: Laboratory) -> Judgement:
         ),
         _map("Bed: packing fraction", cells * math.pi / 4, frame, "packing fraction, by centres"),
         _map("Bed: temperature", temperature(*total), frame, "T"),
-        _picture("Bed: grains", runs[-1], frame, width, np.linalg.norm(runs[-1].final_velocities, axis=1), "speed"),
-        _picture(
+        snapshot_figure(
+            "Bed: grains", runs[-1], frame, width, np.linalg.norm(runs[-1].final_velocities, axis=1), "speed"
+        ),
+        snapshot_figure(
             "Bed: granular temperature",
             runs[-1],
             frame,
@@ -392,14 +395,16 @@ def _judge_channel(laboratory: Laboratory, variant: str) -> Judgement:
 
 # -- a drum --------------------------------------------------------------------------------------------
 
-_DRUM_RADIUS, _DRUM_SPEED, _DRUM_SAMPLE = 10.0, 0.2, 0.5
+#: Radius of the drum, and time between samples of its runs.
+DRUM_RADIUS, DRUM_SAMPLE = 10.0, 0.5
+_DRUM_SPEED = 0.2
 #: By which the angle falls with t_c, in degrees a unit of time; measured for t_c from 6e-5 to 1e-3.
 _ANGLE_SLOPE = 1.06e4
 
 
-def _drum(seed: int, contact: float) -> Scene:
-    """Rough disks that fill some 45 % of a drum."""
-    radius = _DRUM_RADIUS
+def drum_scene(seed: int, contact: float) -> Scene:
+    """Rough disks that fill some 45 % of a drum; contact: t_c of the TC model."""
+    radius = DRUM_RADIUS
     return Scene(
         name="drum",
         dimension=2,
@@ -422,7 +427,7 @@ def _drum(seed: int, contact: float) -> Scene:
         ),
         initial=Lattice(kind="lattice", structure="triangular", number=150, temperature=0.1, seed=seed),
         output=Output(
-            interval=_DRUM_SAMPLE, observables=(*OBSERVABLES, "wall_torque"), trajectory=True, fields=(16, 16)
+            interval=DRUM_SAMPLE, observables=(*OBSERVABLES, "wall_torque"), trajectory=True, fields=(16, 16)
         ),
     )
 
@@ -448,13 +453,13 @@ def surface_angle(positions: Floats, middle: Floats, radius: float) -> float:
 
 def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
     contact = 2e-4
-    runs = [run_whole(laboratory, _drum(laboratory.seed(f"drum-{part}"), contact / part)) for part in (1, 2)]
-    skip = round(15.0 / _DRUM_SAMPLE)
-    middle = np.full(2, _DRUM_RADIUS)
+    runs = [run_whole(laboratory, drum_scene(laboratory.seed(f"drum-{part}"), contact / part)) for part in (1, 2)]
+    skip = round(15.0 / DRUM_SAMPLE)
+    middle = np.full(2, DRUM_RADIUS)
     series = []
     for run in runs:
         assert run.positions is not None
-        series.append(np.array([surface_angle(x, middle, _DRUM_RADIUS) for x in run.positions]))
+        series.append(np.array([surface_angle(x, middle, DRUM_RADIUS) for x in run.positions]))
     angles = [correlated_mean(one[skip:]) for one in series]
     halves = [correlated_mean(one) for one in np.array_split(series[0][skip:], 2)]
     judgements = [
@@ -472,15 +477,15 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
     ]
     for run in runs:
         judgements += _drum_balances(run, skip)
-    frame = Drum(_DRUM_RADIUS, _DRUM_RADIUS, _DRUM_RADIUS)
+    frame = Drum(DRUM_RADIUS, DRUM_RADIUS, DRUM_RADIUS)
     run = runs[0]
     t = run.tallies
     inside = t["field_mass"] > 0.02 * t["field_mass"].max()
     hot = np.where(inside, temperature(t["field_mass"], t["field_momentum"], t["field_kinetic"]), math.nan)
-    share = t["field_mass"] / run.time[-1] * (math.pi / 4) / (_DRUM_RADIUS / 8) ** 2
+    share = t["field_mass"] / run.time[-1] * (math.pi / 4) / (DRUM_RADIUS / 8) ** 2
     figures = (
-        _picture("Drum: grains", run, frame, 0.0, np.linalg.norm(run.final_velocities, axis=1), "speed"),
-        _picture(
+        snapshot_figure("Drum: grains", run, frame, 0.0, np.linalg.norm(run.final_velocities, axis=1), "speed"),
+        snapshot_figure(
             "Drum: granular temperature", run, frame, 0.0, _local_temperature(run, 2.0, 0.0), "T of the neighbours"
         ),
         _map("Drum: packing fraction", np.where(inside, share, math.nan), frame, "packing fraction, by centres"),
@@ -511,8 +516,8 @@ def _drum_balances(run: Run, skip: int) -> list[Judgement]:
     t = run.tallies
     assert run.positions is not None
     given, lost = np.diff(t["wall_energy"][skip:, 4]), np.diff(t["dissipated_energy"][skip:])
-    torque = np.diff(t["wall_torque"][skip:]) / _DRUM_SAMPLE
-    lever = (run.positions[skip:, :, 0] - _DRUM_RADIUS).sum(axis=1)
+    torque = np.diff(t["wall_torque"][skip:]) / DRUM_SAMPLE
+    lever = (run.positions[skip:, :, 0] - DRUM_RADIUS).sum(axis=1)
     lever = 0.5 * (lever[1:] + lever[:-1])
     why = "standard error of the correlated series of samples"
     supplied = _DRUM_SPEED * (t["wall_torque"][-1] - t["wall_torque"][0])
