@@ -50,7 +50,12 @@ def _judge_precision(laboratory: Laboratory, variant: str) -> Judgement:
         "log",
         (
             Series(f"soft, {label}, k = {STIFFNESSES[0]:.0e} ... {STIFFNESSES[-1]:.0e}", seconds, errors, u_errors),
-            Series("event-driven: no such error", [events, events], [min(errors) / 2, max(errors)], theory=True),
+            Series(
+                f"event-driven, beside {label}: no such error",
+                [events, events],
+                [min(errors) / 2, max(errors)],
+                theory=True,
+            ),
         ),
     )
     rows = zip(STIFFNESSES, errors, u_errors, seconds, strict=True)
@@ -106,7 +111,7 @@ def _judge_density(laboratory: Laboratory, variant: str) -> Judgement:
             method = method.model_copy(update={"contact": contact.model_copy(update={"resolution": 2 * RESOLUTION})})
             turns = [laboratory.run(scene, method).cost.cpu for _ in range(3)]
             found.append(float(np.median(turns)) / number / duration)
-    curves = [Series("event-driven, refimpl", list(PACKINGS), hard)]
+    curves = [Series(f"event-driven, beside {laboratory.engine}", list(PACKINGS), hard)]
     curves += [Series(f"soft, {laboratory.engine}, k = {k:.0e}", list(PACKINGS), found) for k, found in costs.items()]
     figure = Figure(
         "Cost over density: CPU seconds per grain and unit of time",
