@@ -28,55 +28,36 @@ def test_names_are_unique_and_sorted() -> None:
 
 
 @each_check
-def test_check_is_named_and_described(check: Check) -> None:
+def test_check_is_whole(check: Check) -> None:
+    """Named, described, with engines that have variants, and with a fault."""
     assert re.fullmatch(rf"({'|'.join(GROUPS)})(/[a-z0-9][a-z0-9._-]*)+", check.name)
     for text in (check.title, check.equation, check.criterion, check.citation):
         assert text.strip()
         assert "\n" not in text
     assert check.tier in ("quick", "full")
-
-
-@each_check
-def test_check_has_engines_with_variants(check: Check) -> None:
     assert check.engines
     assert set(check.engines) <= set(OWN)
-    assert any(check.variants(engine, engine_class(engine).schemes) for engine in check.engines)
-    for engine in check.engines:
-        variants = check.variants(engine, engine_class(engine).schemes)
+    of_engines = [check.variants(engine, engine_class(engine).schemes) for engine in check.engines]
+    assert any(of_engines)
+    # `crosscheck show` and the report find a check from the name of a case
+    names = {other.name for other in all_checks()}
+    for variants in of_engines:
         assert len(set(variants)) == len(variants)
         # a case's name is a pattern that matches itself, and a word on the command line
         assert not any(set(variant) & set(" *?[]\n") for variant in variants)
-
-
-@each_check
-def test_no_variant_has_the_name_of_another_check(check: Check) -> None:
-    # `crosscheck show` and the report find a check from the name of a case
-    names = {other.name for other in all_checks()}
-    for engine in check.engines:
-        assert not names & {f"{check.name}/{v}" for v in check.variants(engine, engine_class(engine).schemes)}
-
-
-@each_check
-def test_check_has_a_fault(check: Check) -> None:
+        assert not names & {f"{check.name}/{variant}" for variant in variants}
     assert check.faults
 
 
 @each_fault
-def test_fault_occurs_once_in_its_file(check: Check, variant: str, fault: Fault) -> None:
-    assert (SOURCE / fault.file).read_text(encoding="utf-8").count(fault.old) == 1
+def test_fault_is_whole(check: Check, variant: str, fault: Fault) -> None:
+    """It occurs once in its file, compiles, and is seen by a variant of refimpl."""
+    text = (SOURCE / fault.file).read_text(encoding="utf-8")
+    assert text.count(fault.old) == 1
     assert fault.new != fault.old
     assert fault.name
     assert fault.breaks
-
-
-@each_fault
-def test_fault_compiles(check: Check, variant: str, fault: Fault) -> None:
-    text = (SOURCE / fault.file).read_text(encoding="utf-8")
     compile(text.replace(fault.old, fault.new), fault.file, "exec")
-
-
-@each_fault
-def test_fault_is_seen_by_a_variant_of_refimpl(check: Check, variant: str, fault: Fault) -> None:
     assert "refimpl" in check.engines
     assert variant in check.variants("refimpl", engine_class("refimpl").schemes)
 
