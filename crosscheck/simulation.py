@@ -245,7 +245,12 @@ def _write_observables(path: Path, scene: Scene, method: Method, result: _Result
 
 
 def _named(method: Method) -> str:
-    return method.scheme if method.dt is None else f"{method.scheme}, dt = {method.dt!r}"
+    contact, dt = method.contact, None if method.dt is None else f"{method.dt!r}"
+    softness = ""
+    if contact is not None:
+        softness = f", k = {contact.stiffness!r}" if contact.duration is None else f", t_c = {contact.duration!r}"
+        dt = dt or f"{contact.resolution!r} t_c"
+    return method.scheme + (f", dt = {dt}" if dt else "") + softness
 
 
 # -- trajectory ----------------------------------------------------------------------------------------------

@@ -58,8 +58,8 @@ class RefimplEngine:
             from crosscheck.engines.refimpl_lattice import unsupported
 
             return unsupported(scene, method.scheme)
-        if method.contact is not None and (scene.hard_spheres is None or method.scheme in SCHEDULERS):
-            return f"method.contact is for [hard_spheres] and a scheme with time steps: {_names(GRAINS)}"
+        if method.contact is not None and method.scheme in SCHEDULERS:
+            return f"method.contact is for schemes with time steps: {_names(GRAINS)}"
         if scene.hard_spheres is not None and method.scheme not in SCHEDULERS:
             if method.contact is not None and method.scheme not in GRAINS:
                 return f"soft grains need a scheme that asks for the force once a step: {_names(GRAINS)}"

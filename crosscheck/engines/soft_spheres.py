@@ -118,13 +118,17 @@ def inertia_ratio(scene: Scene) -> float:
 def resolved(scene: Scene, method: Method) -> Method:
     """The method with its time step: of `contact.resolution`, the largest up to it that divides the samples' interval.
 
-    Raises UsageError if the scene has no hard spheres.
+    Raises UsageError if the scene has no hard spheres, or these never separate.
     """
     contact = method.contact
-    if contact is None or contact.resolution is None:
+    if contact is None:
         return method
-    if scene.hard_spheres is None or scene.hard_spheres.restitution == 0:
-        raise UsageError("method.contact.resolution needs [hard_spheres] with a restitution above 0: give method.dt")
+    if scene.hard_spheres is None:
+        raise UsageError("method.contact says how [hard_spheres] touch, and the scene has none: remove it")
+    if contact.resolution is None:
+        return method
+    if scene.hard_spheres.restitution == 0:
+        raise UsageError("method.contact.resolution needs a restitution above 0: give method.dt")
     records = scene.output.interval is not None and (scene.output.observables or scene.output.trajectory)
     span = scene.output.interval if records else scene.duration
     assert span is not None

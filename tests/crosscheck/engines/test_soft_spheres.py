@@ -201,13 +201,16 @@ def test_other_methods_stay_as_they_are() -> None:
 
 
 def test_a_resolution_needs_spheres_that_separate() -> None:
-    method = soft(resolution=0.01)
+    with pytest.raises(UsageError, match=r"resolution needs a restitution above 0"):
+        resolved(disks(hard_spheres=HardSpheres(restitution=0.0)), soft(resolution=0.01))
+
+
+def test_a_contact_needs_hard_spheres() -> None:
     spring = Scene(
         name="spring", dimension=2, duration=1.0, spring=Spring(k=1.0), initial=Explicit(positions=((1.0, 0.0),))
     )
-    for scene in (spring, disks(hard_spheres=HardSpheres(restitution=0.0))):
-        with pytest.raises(UsageError, match=r"resolution needs \[hard_spheres\] with a restitution above 0"):
-            resolved(scene, method)
+    with pytest.raises(UsageError, match=r"how \[hard_spheres\] touch, and the scene has none"):
+        resolved(spring, Method(scheme="verlet", dt=0.1, contact=Contact(duration=1.0)))
 
 
 # -- what is refused ---------------------------------------------------------------------------------------------------
