@@ -456,7 +456,7 @@ def _draw_disks(axes: Axes, scene: Scene, run: Run) -> None:
     diameters, fixed, lengths = scene.diameters(), scene.fixed(), scene.lengths()
     assert diameters is not None
     periodic = np.array(scene.boundaries) == "periodic"
-    periods = np.where(periodic, 0.0 if lengths is None else lengths, 0.0)
+    periods = scene.periods()
     r = run.final_positions - _image(run.final_positions, periods) * periods
     if scene.number - fixed.sum() <= FEW and run.positions is not None:
         _draw_paths(axes, run.positions[:, ~fixed], periods)

@@ -8,14 +8,16 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from crosscheck.engines.base import Claims, Cost, Run
 from crosscheck.engines.pool import Pool
 from crosscheck.faults import Fault
-from crosscheck.scene import Method, Scene
+from crosscheck.scene import Contact, Method, Scene
 from crosscheck.verdict import Judgement
 
+#: Hard spheres, from event to event.
+EVENT_DRIVEN = Method(scheme="event_driven")
 Tier = Literal["quick", "full"]
 #: Variants of a check for an engine with these schemes.
 Variants = Callable[[str, dict[str, Claims]], tuple[str, ...]]
@@ -85,6 +87,11 @@ def reference_check(
 ) -> Check:
     """A check of the reference implementation alone, with the same variants always."""
     return Check(name, title, equation, criterion, citation, judge, fixed(*variants), faults, tier=tier)
+
+
+def soft(**contact: Any) -> Method:
+    """Hard spheres as soft ones, with these entries of a `Contact`."""
+    return Method(scheme="velocity_verlet", contact=Contact(**contact))
 
 
 def fixed(*names: str) -> Variants:

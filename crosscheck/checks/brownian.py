@@ -9,16 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
 from crosscheck.references import hard_spheres as reference
-from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Method, Output, Scene
+from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Figure, Judgement, Series, statistical
 
-_METHOD = Method(scheme="event_driven")
 MASS, SIZE = 50.0, 3.0
 
 
@@ -123,7 +122,7 @@ def _decays(laboratory: Laboratory, dimension: int, bath: Bath, longest: float) 
     squares, speeds = np.empty((RUNS, 2)), []
     for number in range(RUNS):
         scene = brownian(dimension, bath, laboratory.seed(str(number)), bath.early)
-        v = _tracers(scene, laboratory.run(scene, _METHOD))
+        v = _tracers(scene, laboratory.run(scene, EVENT_DRIVEN))
         for lag in lags:
             start, end = v[: len(v) - lag], v[lag:]
             correlation[number, lag] = (start * end).mean()

@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
@@ -35,7 +35,6 @@ from crosscheck.verdict import Figure, Judgement, Series, bounded, round_off
 
 Boundary: TypeAlias = Literal["periodic", "wall", "open", "hard"]
 
-_EVENTS = Method(scheme="event_driven")
 _NAIVE = Method(scheme="event_driven_naive")
 _CITATION = "Marin, Risso & Cordero, J. Comput. Phys. 103, 306 (1993); Marin & Cordero, CPC 92, 214 (1995)"
 _SOTO = "Soto, Cordero & Risso, SCAT workshop, Valparaiso (2007)"
@@ -131,19 +130,19 @@ def _judge_specification(laboratory: Laboratory, variant: str) -> Judgement:
     """Windows of a run against algorithm v1.0, started from the run's own state at the window's start."""
     dimension, _, feature = variant.partition("-")
     scene = _feature_scenes(int(dimension[0]), laboratory.seed() % 2**31)[feature]
-    trial = laboratory.run(scene.changed(duration=10.0, output=_counted(10.0)), _EVENTS)
+    trial = laboratory.run(scene.changed(duration=10.0, output=_counted(10.0)), EVENT_DRIVEN)
     rate = (float(trial.tallies["collisions"][-1]) + float(np.sum(trial.tallies["wall_collisions"][-1]))) / 10.0
     # half a collision of each particle in a window: rounding has no time to grow
     window = 0.25 * _GRAINS / rate
     windows = int(np.ceil(COMPARED / (rate * window)))
-    run = laboratory.run(scene.changed(duration=windows * window, output=_counted(window)), _EVENTS)
+    run = laboratory.run(scene.changed(duration=windows * window, output=_counted(window)), EVENT_DRIVEN)
     assert run.positions is not None
     assert run.velocities is not None
     apart, compared, counts = 0.0, 0.0, 0
     for k in range(windows):
         spins = None if run.angular_velocities is None else run.angular_velocities[k]
         start = _shifted(scene, float(run.time[k])).changed(
-            initial=explicit(wrapped(run.positions[k], _periods(scene)), run.velocities[k], spins),
+            initial=explicit(wrapped(run.positions[k], scene.periods()), run.velocities[k], spins),
             duration=window,
             output=Output(interval=window, observables=("collisions",)),
         )
@@ -174,13 +173,6 @@ def _growth(scene: Scene) -> float:
 
 def _counted(interval: float) -> Output:
     return Output(interval=interval, observables=("collisions", "wall_collisions"), trajectory=True)
-
-
-def _periods(scene: Scene) -> Floats:
-    """(d,), 0 along axes that do not wrap."""
-    lengths = scene.lengths()
-    assert lengths is not None
-    return np.where(np.array(scene.boundaries) == "periodic", lengths, 0.0)
 
 
 def _shifted(scene: Scene, time: float) -> Scene:
@@ -369,7 +361,7 @@ def _overlap(scene: Scene, positions: Floats) -> float:
     lengths, sizes = scene.lengths(), scene.diameters()
     assert lengths is not None
     assert sizes is not None
-    periods = _periods(scene)
+    periods = scene.periods()
     x = wrapped(positions, periods)
     pairs = cKDTree(x, boxsize=periods).query_pairs(float(sizes.max()), output_type="ndarray")
     if not len(pairs):
@@ -440,7 +432,7 @@ def _judge_grazing(laboratory: Laboratory) -> Judgement:
             duration=20.0,
             output=Output(interval=20.0, observables=_RECORD, trajectory=True),
         )
-        run = laboratory.run(scene, _EVENTS)
+        run = laboratory.run(scene, EVENT_DRIVEN)
         wrong += int(run.tallies["collisions"][-1] != (miss < 0))
     return bounded("grazing pairs judged wrongly", float(wrong), 0.0, f"{len(ladder)} pairs, a hit below sigma alone")
 
@@ -460,7 +452,7 @@ def _judge_cradle(laboratory: Laboratory) -> Judgement:
         duration=10.0,
         output=_recorded(2, 10.0),
     )
-    run = laboratory.run(scene, _EVENTS)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     expected = np.zeros((row, 2))
     expected[-1, 0] = 1.0
     return worst(
@@ -493,7 +485,7 @@ def _judge_simultaneous(laboratory: Laboratory) -> Judgement:
         duration=10.0,
         output=_recorded(10, 10.0),
     )
-    run = laboratory.run(scene, _EVENTS)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     # a pair closes its gap of 1/2 at relative speed 2, then goes back through the next gap
     expected = side * side / 2 * int((10.0 + 0.25) / 0.5)
     return worst(
@@ -517,9 +509,8 @@ def _judge_crystal(laboratory: Laboratory, dimension: int, fraction: float) -> J
         box = Box(lengths=(columns * spacing, rows * spacing * 3**0.5 / 2))
         scene = spheres(number, 1.0, laboratory.seed() % 2**31, dimension=2, box=box)
     counts = tuple(number * 20 * k for k in range(1, 11))
-    run = laboratory.run(
-        scene.changed(duration=1e4, output=Output(collisions=counts, observables=_RECORD, trajectory=True)), _EVENTS
-    )
+    output = Output(collisions=counts, observables=_RECORD, trajectory=True)
+    run = laboratory.run(scene.changed(duration=1e4, output=output), EVENT_DRIVEN)
     return _sound(scene, run, f"packing fraction {fraction}")
 
 
@@ -554,7 +545,7 @@ def _judge_ratio(laboratory: Laboratory, sizes: tuple[float, float], masses: tup
         duration=1e4,
         output=Output(collisions=tuple(2000 * k for k in range(1, 11)), observables=_RECORD, trajectory=True),
     )
-    return _sound(scene, laboratory.run(scene, _EVENTS), f"sizes {sizes}, masses {masses}")
+    return _sound(scene, laboratory.run(scene, EVENT_DRIVEN), f"sizes {sizes}, masses {masses}")
 
 
 def _judge_dead(laboratory: Laboratory) -> Judgement:
@@ -568,7 +559,7 @@ def _judge_dead(laboratory: Laboratory) -> Judgement:
         duration=1e9,
         output=Output(collisions=tuple(2000 * k for k in range(1, 11)), observables=_RECORD, trajectory=True),
     )
-    return _sound(scene, laboratory.run(scene, _EVENTS), "restitution 0", elastic=False)
+    return _sound(scene, laboratory.run(scene, EVENT_DRIVEN), "restitution 0", elastic=False)
 
 
 #: Collisions of the long run: about 1e8 events with the passages between cells.
@@ -586,7 +577,7 @@ def _judge_long(laboratory: Laboratory) -> Judgement:
         output=Output(collisions=tuple(LONG // samples * k for k in range(1, samples + 1)), observables=_RECORD,
                       trajectory=True),
     )  # fmt: skip
-    return _sound(scene, laboratory.run(scene, _EVENTS), "1e8 events")
+    return _sound(scene, laboratory.run(scene, EVENT_DRIVEN), "1e8 events")
 
 
 def _judge_clock(laboratory: Laboratory) -> Judgement:
@@ -602,7 +593,7 @@ def _judge_clock(laboratory: Laboratory) -> Judgement:
         duration=duration,
         output=Output(interval=duration / 10, observables=_RECORD, trajectory=True),
     )
-    run = laboratory.run(start, _EVENTS)
+    run = laboratory.run(start, EVENT_DRIVEN)
     assert run.positions is not None
     # equal disks exchange velocities: each runs to and fro between its wall and the middle, 499 long, speed 1
     room = (length - 2.0) / 2

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
 from crosscheck.checks.event_driven import LINEAR_SCAN, spheres
 from crosscheck.scene import Method, Output, explicit
 from crosscheck.verdict import Judgement, bounded
@@ -17,7 +17,7 @@ def _judge_lists(laboratory: Laboratory, variant: str) -> Judgement:
     """CPU time per collision of the documented scheduler over that of the fastest one."""
     number = int(variant.removeprefix("N"))
     melt = spheres(number, 0.5, laboratory.seed() % 2**31, duration=4.0)
-    start = laboratory.run(melt, Method(scheme="event_driven"), engine="refimpl")
+    start = laboratory.run(melt, EVENT_DRIVEN, engine="refimpl")
     scene = melt.changed(
         initial=explicit(start.final_positions, start.final_velocities),
         duration=1e6,

@@ -6,11 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.errors import EngineError
 from crosscheck.faults import Fault
+from crosscheck.overlaps import wrapped
 from crosscheck.references import EPSILON
 from crosscheck.scene import (
     Box,
@@ -31,7 +32,6 @@ from crosscheck.scene import (
 from crosscheck.statistics import correlated_mean
 from crosscheck.verdict import Judgement, bounded, round_off, statistical
 
-METHOD = Method(scheme="event_driven")
 #: Asked for by all driven scenes, so that they share their kernels.
 OBSERVABLES: tuple[Observable, ...] = (
     "kinetic_energy",
@@ -49,11 +49,11 @@ OBSERVABLES: tuple[Observable, ...] = (
 # -- runs in a row ---------------------------------------------------------------------------------
 
 
-def run_whole(laboratory: Laboratory, scene: Scene) -> Run:
-    """The scene for all of its duration; EngineError if it ended early, by inelastic collapse."""
-    run = laboratory.run(scene, METHOD)
-    if run.stopped:
-        raise EngineError(f"scene {scene.name} ended early: {run.stopped}")
+def run_whole(laboratory: Laboratory, scene: Scene, method: Method = EVENT_DRIVEN, engine: str | None = None) -> Run:
+    """The scene for all of its duration; EngineError if it ended early, by inelastic collapse, or diverged."""
+    run = laboratory.run(scene, method, engine)
+    if run.stopped or run.diverged:
+        raise EngineError(f"scene {scene.name} ended early: {run.stopped or 'diverged'}")
     return run
 
 
@@ -139,10 +139,7 @@ def cell_totals(run: Run, scene: Scene) -> dict[str, float]:
     positions, masses = run.final_positions, state.masses
     lengths, shape = state.lengths, t["field_mass"].shape
     assert lengths is not None
-    inside = positions.copy()
-    for axis, boundary in enumerate(scene.boundaries):
-        if boundary == "periodic":
-            inside[:, axis] %= lengths[axis]
+    inside = wrapped(positions, scene.periods())
     edges = [np.linspace(0.0, length, count + 1) for length, count in zip(lengths, shape, strict=True)]
     field_energy = -float(masses @ positions @ g)
     content = run.kinetic_energy[-1] + run.potential_energy[-1]

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.checks.base import Laboratory, reference_check
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, reference_check
 from crosscheck.checks.granular_gas import reported_time
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
@@ -23,7 +23,6 @@ from crosscheck.scene import (
     Face,
     HardSpheres,
     Lattice,
-    Method,
     Oscillation,
     Output,
     RandomPhase,
@@ -37,7 +36,6 @@ from crosscheck.verdict import Figure, Judgement, Series, Snapshot, bounded, rou
 Floats = NDArray[np.float64]
 Law = Literal["uniform", "flux"]
 
-_METHOD = Method(scheme="event_driven")
 #: The face y-, the floor, among the faces.
 _FLOOR = 2
 #: All scenes but one have g = 1, and floors with A omega = V0 = 1 where the floor vibrates fast.
@@ -87,7 +85,7 @@ def _judge_zeno(laboratory: Laboratory, variant: str) -> Judgement:
     scene = _over_floor(
         Face(restitution=alpha), np.array([ball.height]), np.zeros(1), 1.5 * ball.rest, ball.rest / 4000
     )
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     tick = float(np.spacing(ball.rest))
     ended = within(
         "round_off", "time of the collapse", reported_time(run), ball.rest,
@@ -170,7 +168,7 @@ def _judge_vibrating(laboratory: Laboratory, variant: str) -> Judgement:
     omega = float(variant) ** 0.5
     floor = Face(oscillation=Oscillation(amplitude=1.0, frequency=omega))
     scene = _over_floor(floor, 1 + _DROPS, np.zeros(_DROPS.size), _INTERVAL * _SAMPLES, _INTERVAL)
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     z, v = _vertical(run)
     gap = float((z - np.cos(omega * run.time)[:, None]).min())
     touch = 4 * EPSILON * float(_DROPS[-1] + 1 + omega * run.time[-1])
@@ -218,7 +216,7 @@ def _judge_column(laboratory: Laboratory, shaking: float) -> Judgement:
         initial=Lattice(kind="lattice", structure="square", number=number, temperature=0.1, seed=laboratory.seed()),
         output=Output(interval=0.05, observables=("wall_collisions", "collisions"), trajectory=True),
     )
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     assert run.positions is not None
     x, y = run.positions[:, :, 0], run.positions[:, :, 1]
     gaps = np.stack([y - 0.5 - amplitude * np.cos(omega * run.time)[:, None], x - 0.5, 5.5 - x])
@@ -278,7 +276,7 @@ def _judge_random(laboratory: Laboratory, variant: str) -> Judgement:
         floor, np.full(GRAINS, 0.5 * u), np.full(GRAINS, -u), 1.0, 1.0, gravity=False, seed=laboratory.seed(),
         width=4.0 * GRAINS,
     )  # fmt: skip
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     gains = 0.5 * (run.final_velocities[:, 1] ** 2 - u * u)
     single = {"uniform": reference.uniform_phase_gain, "flux": reference.flux_phase_gain}[law](u, 1.0)
     visit = random_visit_gain(u, law)  # type: ignore[arg-type]
@@ -344,7 +342,7 @@ def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> Visits:
     interval = period / PER_PERIOD
     floor = Face(oscillation=Oscillation(amplitude=amplitude, frequency=1 / amplitude))
     duration = interval * int(PER_PERIOD * PERIODS)
-    run = laboratory.run(_over_floor(floor, heights, -u + _GRAVITY * passing, duration, interval), _METHOD)
+    run = laboratory.run(_over_floor(floor, heights, -u + _GRAVITY * passing, duration, interval), EVENT_DRIVEN)
     z, v = _vertical(run)
     gone = (z > amplitude) & (v > 0)
     finished = gone.any(axis=0)
@@ -398,7 +396,7 @@ def _judge_sawtooth(laboratory: Laboratory, variant: str) -> Judgement:
     fall = np.minimum(1.0, u)
     heights, velocities = u * fall - _GRAVITY * fall**2 / 2, -u + _GRAVITY * fall
     scene = _over_floor(Face(velocity=1.0, restitution=e), heights, velocities, 1.25, 1.25)
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     after = 0.5 * run.final_velocities[:, 1] ** 2 + _GRAVITY * run.final_positions[:, 1]
     gains = after - (0.5 * velocities**2 + _GRAVITY * heights)
     expected = np.array([reference.sawtooth_gain(float(one), 1.0, e) for one in u])

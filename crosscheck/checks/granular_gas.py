@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
@@ -28,7 +28,6 @@ from crosscheck.scene import (
     GrainFriction,
     HardSpheres,
     Lattice,
-    Method,
     Observable,
     Output,
     Scene,
@@ -39,7 +38,6 @@ from crosscheck.verdict import Figure, Judgement, Series, bounded, round_off, st
 
 Floats = NDArray[np.float64]
 
-_METHOD = Method(scheme="event_driven")
 _LATTICES = {2: "square", 3: "sc"}
 #: Longer than any run that ends at a count of collisions.
 _FOR_EVER = 1e9
@@ -140,7 +138,7 @@ def _cool(
             ),
             output=Output(collisions=tuple(counts.tolist()), observables=tuple(observables)),
         )
-        run = laboratory.run(scene, _METHOD)
+        run = laboratory.run(scene, EVENT_DRIVEN)
         assert run.kinetic_energy is not None
         spin = run.tallies["rotational_energy"] if friction else np.zeros_like(run.kinetic_energy)
         times.append(run.time[1:])
@@ -338,7 +336,7 @@ def _spatial(rows: Floats | None, spin: bool = False) -> Floats:
 def _judge_oblique(laboratory: Laboratory, variant: str) -> Judgement:
     dimension = int(variant[0])
     pairs = _pairs(dimension, laboratory.seed())
-    run = laboratory.run(_impacts(pairs, dimension), _METHOD)
+    run = laboratory.run(_impacts(pairs, dimension), EVENT_DRIVEN)
     places, velocities = _spatial(run.final_positions), _spatial(run.final_velocities)
     spins = _spatial(run.final_angular_velocities, spin=True)
     errors, lost, sliding, points = [], [], 0, []
@@ -513,7 +511,7 @@ def _judge_collapse(laboratory: Laboratory, variant: str) -> Judgement:
     gaps, velocities, wall, limit = _start(variant)
     below, above = (0.07, 0.073) if variant == "three" else (0.97 * limit, 1.03 * limit)
     exact = line_collisions(gaps, velocities, below, wall)
-    run = laboratory.run(_row(gaps, velocities, below, wall, duration=2 * float(exact.times[-1])), _METHOD)
+    run = laboratory.run(_row(gaps, velocities, below, wall, duration=2 * float(exact.times[-1])), EVENT_DRIVEN)
     time, stopped = reported_time(run), run.stopped
     rounding = 4 * EPSILON * float(np.sum(gaps) + velocities.size)
     left = exact.times[-1] - exact.times
@@ -524,7 +522,7 @@ def _judge_collapse(laboratory: Laboratory, variant: str) -> Judgement:
         "four roundings of the coordinates change each gap, and the time left from there, in proportion",
     )  # fmt: skip
     sound = line_collisions(gaps, velocities, above, wall)
-    run = laboratory.run(_row(gaps, velocities, above, wall, duration=2 * float(sound.times[-1])), _METHOD)
+    run = laboratory.run(_row(gaps, velocities, above, wall, duration=2 * float(sound.times[-1])), EVENT_DRIVEN)
     hits = run.tallies["collisions"][-1] + run.tallies["wall_collisions"][-1].sum()
     none = within(
         "round_off", f"collisions until all part at alpha = {above:.4g}", float(hits), sound.pairs + sound.wall, 0.5,
@@ -542,7 +540,7 @@ def _judge_contact_duration(laboratory: Laboratory, variant: str) -> Judgement:
     gaps, velocities, wall, limit = _start(variant)
     alpha, duration = 0.9 * limit, 20.0
     scene = _row(gaps, velocities, alpha, wall, duration=duration, contact_duration=_CONTACT_DURATION)
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     assert run.kinetic_energy is not None
     energy = run.kinetic_energy
     last = float(run.time[np.isfinite(energy)][-1])

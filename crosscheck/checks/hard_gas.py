@@ -9,17 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, Tier, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Tier, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
 from crosscheck.references import hard_spheres as reference
-from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, explicit
+from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, explicit
 from crosscheck.statistics import Mean, correlated_mean, standard_error
 from crosscheck.verdict import FALSE_ALARM, Figure, Judgement, Series, bounded, round_off, statistical
 
-METHOD = Method(scheme="event_driven")
 #: Of every scene here: what is asked for selects the compiled loop, and one is enough.
 TALLIES: tuple[Observable, ...] = ("collisions", "collisional_virial", "wall_impulse", "wall_collisions")
 #: Intervals of a run that are left out while it settles, and those whose averages are taken.
@@ -99,7 +98,7 @@ def _judge_speeds(laboratory: Laboratory, variant: str) -> Judgement:
     speeds = np.empty((runs, len(COUNTS), number))
     for one in range(runs):
         scene = gas(d, number, DILUTE, laboratory.seed(str(one)), output, 1e9, hard=True, speed=1.0)
-        run = laboratory.run(scene, METHOD)
+        run = laboratory.run(scene, EVENT_DRIVEN)
         assert run.velocities is not None
         speeds[one] = np.linalg.norm(run.velocities[1:], axis=2)
     squares = speeds**2
@@ -241,7 +240,7 @@ def _judge_pressure(laboratory: Laboratory, variant: str) -> Judgement:
         return _judge_scaling(laboratory)
     density = float(variant.removeprefix("n"))
     scene = _walled(density, 1.0, WALLED_COLLISIONS.get(variant, 1.5e6), laboratory.seed())
-    found = _wall_pressure(scene, laboratory.run(scene, METHOD))
+    found = _wall_pressure(scene, laboratory.run(scene, EVENT_DRIVEN))
     temperature = reference.mono_speed_temperature(1.0, 2)
     ideal = density * temperature
     known = reference.disk_box_pressure(WALLED, (WALLED / density) ** 0.5, temperature)
@@ -296,7 +295,7 @@ def _judge_scaling(laboratory: Laboratory) -> Judgement:
     pressures = []
     for speed in V0:
         scene = _walled(SPEED_DENSITY, speed, 2e5, seed)
-        pressures.append(_wall_pressure(scene, laboratory.run(scene, METHOD)).mean)
+        pressures.append(_wall_pressure(scene, laboratory.run(scene, EVENT_DRIVEN)).mean)
     p, u = np.array([m.value for m in pressures]), np.array([m.error / m.value for m in pressures])
     weights = np.log(V0) - np.mean(np.log(V0))
     weights /= (weights**2).sum()
@@ -323,7 +322,7 @@ def _same_events(laboratory: Laboratory, seed: int) -> Judgement:
     shake = np.random.default_rng(laboratory.seed("disturbance")).normal(size=state.positions.shape)
     disturbed = state.positions + DISTURBANCE * lengths * shake
     twin = scenes[0].changed(initial=explicit(disturbed, state.velocities))
-    runs = [laboratory.run(scene, METHOD) for scene in (*scenes, twin)]
+    runs = [laboratory.run(scene, EVENT_DRIVEN) for scene in (*scenes, twin)]
     apart = [_separation(runs[0], run) for run in runs[1:]]
     return bounded(
         "largest separation from V0 = 1 after N/4 collisions",
@@ -365,7 +364,7 @@ def _periodic(laboratory: Laboratory, dimension: int, eta: float, number: int, c
     duration = _duration(collisions, number, eta, dimension)
     density = reference.number_density(eta, dimension)
     scene = gas(dimension, number, density, laboratory.seed(), _in_blocks(duration), duration)
-    return laboratory.run(scene, METHOD)
+    return laboratory.run(scene, EVENT_DRIVEN)
 
 
 def _judge_state(laboratory: Laboratory, variant: str) -> Judgement:
@@ -493,7 +492,7 @@ def _judge_diffusion(laboratory: Laboratory, variant: str) -> Judgement:
     step = _window_start(density, DIFFUSING) / WINDOW
     samples = ORIGINS + 2 * SHOWN
     output = Output(interval=step, observables=TALLIES, trajectory=True)
-    run = laboratory.run(gas(3, DIFFUSING, density, laboratory.seed(), output, samples * step), METHOD)
+    run = laboratory.run(gas(3, DIFFUSING, density, laboratory.seed(), output, samples * step), EVENT_DRIVEN)
     assert run.positions is not None
     positions = run.positions[SHOWN:]  # settled
     slope = (_squares(positions, 2 * WINDOW, ORIGINS) - _squares(positions, WINDOW, ORIGINS)) / (6 * WINDOW * step)
@@ -572,7 +571,7 @@ def _mixture_scene(dimension: int, eta: float, seed: int) -> tuple[Scene, refere
 def _judge_mixture(laboratory: Laboratory, variant: str) -> Judgement:
     d, eta = MIXTURES[variant]
     scene, known = _mixture_scene(d, eta, laboratory.seed())
-    run = laboratory.run(scene, METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     assert run.velocities is not None
     number, species, masses = scene.number, np.array(scene.species), np.array(scene.masses)
     excess = correlated_mean(_rates(run, run.tallies["collisional_virial"]) / (d * number))

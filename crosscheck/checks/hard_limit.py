@@ -15,18 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed, soft
 from crosscheck.checks.granular_gas import RESTITUTION_SQUARED
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
 from crosscheck.overlaps import wrapped
 from crosscheck.references.hard_spheres import collision_rate, compressibility
-from crosscheck.scene import Box, Contact, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, explicit
+from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, explicit
 from crosscheck.statistics import independent_mean
 from crosscheck.verdict import Figure, Judgement, Series, bounded, order, statistical
 
-EVENTS = Method(scheme="event_driven")
 #: dt/t_c. A contact begins and ends anywhere between two steps, which changes its restitution by gamma dt at most, with
 #: mean zero; what is left is of order (dt/t_c)^2: halving dt changes T at k = 1e7 by less than 1e-3.
 RESOLUTION = 0.025
@@ -37,13 +36,12 @@ def relaxed(laboratory: Laboratory, scene: Scene, purpose: str, time: float) -> 
     assert isinstance(scene.initial, Lattice)
     lattice = scene.initial.model_copy(update={"seed": laboratory.seed(purpose)})
     before = scene.changed(initial=lattice, hard_spheres=HardSpheres(), duration=time, output=Output())
-    run = laboratory.run(before, EVENTS, engine="refimpl")
+    run = laboratory.run(before, EVENT_DRIVEN, engine="refimpl")
     lengths, box = scene.lengths(), scene.box
     assert lengths is not None
     assert box is not None
-    periods = np.where([boundary == "periodic" for boundary in scene.boundaries], lengths, 0.0)
     return scene.changed(
-        initial=explicit(wrapped(run.final_positions, periods), run.final_velocities),
+        initial=explicit(wrapped(run.final_positions, scene.periods()), run.final_velocities),
         box=Box(lengths=tuple(lengths.tolist()), boundaries=box.boundaries),
     )
 
@@ -73,10 +71,6 @@ def cooling_gas(dimension: int) -> Scene:
     )
 
 
-def soft(stiffness: float) -> Method:
-    return Method(scheme="velocity_verlet", contact=Contact(stiffness=stiffness, resolution=RESOLUTION))
-
-
 def energies(run: Run) -> Floats:
     assert run.kinetic_energy is not None
     return run.kinetic_energy
@@ -86,12 +80,13 @@ def _judge_cooling(laboratory: Laboratory, variant: str) -> Judgement:
     """T of soft over T of hard spheres, from the same states: power of the stiffness with which they converge."""
     gas = cooling_gas(2 if variant == "disks" else 3)
     starts = [relaxed(laboratory, gas, f"state {i}", 2.0) for i in range(max(STIFFNESSES.values()))]
-    hard = [energies(laboratory.run(start, EVENTS, engine="refimpl")) for start in starts]
+    hard = [energies(laboratory.run(start, EVENT_DRIVEN, engine="refimpl")) for start in starts]
     times = np.linspace(0.0, gas.duration, len(hard[0]))
     curves = [_temperature_curve("event-driven", times, np.mean(hard, axis=0), gas)]
     soft_ends = []
     for stiffness, number in STIFFNESSES.items():
-        runs = [energies(laboratory.run(start, soft(stiffness), engine=laboratory.engine)) for start in starts[:number]]
+        method = soft(stiffness=stiffness, resolution=RESOLUTION)
+        runs = [energies(laboratory.run(start, method)) for start in starts[:number]]
         curves.append(
             _temperature_curve(f"k = {stiffness:.0e}, {laboratory.engine}", times, np.mean(runs, axis=0), gas)
         )
@@ -243,20 +238,18 @@ def _judge_limit(laboratory: Laboratory, variant: str) -> Judgement:
     hard = []
     for start in starts:
         scene = start.changed(output=counted)
-        hard.append(measure(laboratory.run(scene, EVENTS, engine="refimpl"), scene, math.nan))
+        hard.append(measure(laboratory.run(scene, EVENT_DRIVEN, engine="refimpl"), scene, math.nan))
     values, errors = [], []
     for duration in DURATIONS:
-        method = Method(scheme="velocity_verlet", contact=Contact(duration=duration, resolution=2 * RESOLUTION))
+        method = soft(duration=duration, resolution=2 * RESOLUTION)
         found = [measure(laboratory.run(start, method), start, duration) for start in starts]
         mean, error = independent_mean(found)
         values.append(mean)
         errors.append(error)
     expected, u_expected = independent_mean(hard)
     t, y, u = np.array(DURATIONS), np.array(values), np.array(errors)
-    weights = np.vander(t, 3, increasing=True)
-    covariance = np.linalg.inv(weights.T / u**2 @ weights)
-    coefficients = covariance @ (weights.T / u**2 @ y)
-    limit, u_limit = float(coefficients[0]), float(covariance[0, 0] ** 0.5)
+    parabola, covariance = np.polyfit(t, y, 2, w=1 / u, cov="unscaled")
+    limit, u_limit = float(parabola[2]), float(covariance[2, 2] ** 0.5)
     smooth = np.linspace(0.0, DURATIONS[0], 41)
     figure = Figure(
         f"Hard limit of the {_NAMES[variant]}",
@@ -267,7 +260,7 @@ def _judge_limit(laboratory: Laboratory, variant: str) -> Judgement:
             Series(
                 f"parabola, {laboratory.engine}",
                 smooth.tolist(),
-                np.polyval(coefficients[::-1], smooth).tolist(),
+                np.polyval(parabola, smooth).tolist(),
                 theory=True,
             ),
             Series("event-driven", [0.0], [expected], [u_expected]),
@@ -331,7 +324,7 @@ def _judge_search(laboratory: Laboratory, variant: str) -> Judgement:
         return float(run.tallies["collisions"][-1] if elastic else energies(run)[-1])
 
     starts = [relaxed(laboratory, gas, f"state {i}", 5.0) for i in range(_SEARCHES)]
-    hard = [measured(laboratory.run(start, EVENTS, engine="refimpl")) for start in starts]
+    hard = [measured(laboratory.run(start, EVENT_DRIVEN, engine="refimpl")) for start in starts]
     found = []
     for dt in STEPS:
         method = Method(scheme="collisions_tree", dt=dt)

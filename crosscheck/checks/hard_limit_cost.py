@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
-from crosscheck.checks.hard_limit import EVENTS, RESOLUTION, cooling_gas, energies, relaxed, soft
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed, soft
+from crosscheck.checks.hard_limit import RESOLUTION, cooling_gas, energies, relaxed
 from crosscheck.faults import Fault
+from crosscheck.references.soft_impact import HookeImpact
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import independent_mean
 from crosscheck.verdict import Figure, Judgement, Series, bounded
@@ -23,14 +24,17 @@ def _judge_precision(laboratory: Laboratory, variant: str) -> Judgement:
     """|T(k)/T - 1| of a cooling gas against CPU seconds a run; event-driven has no such error."""
     gas = cooling_gas(2)
     starts = [relaxed(laboratory, gas, f"state {i}", 2.0) for i in range(REPLICAS)]
-    for method in (EVENTS, soft(STIFFNESSES[0])):
-        laboratory.run(starts[0], method, engine="refimpl" if method is EVENTS else None)  # warms caches
-    hard = [laboratory.run(start, EVENTS, engine="refimpl") for start in starts]
+    methods = [soft(stiffness=stiffness, resolution=RESOLUTION) for stiffness in STIFFNESSES]
+    # alternated, so that a change of the machine's speed meets all; the first turn warms caches
+    turns = [
+        [laboratory.run(start, EVENT_DRIVEN, engine="refimpl")] + [laboratory.run(start, method) for method in methods]
+        for start in (starts[0], *starts)
+    ][1:]
+    hard, *softs = zip(*turns, strict=True)
     exact = float(np.mean([energies(run)[-1] for run in hard]))
     events = float(np.median([run.cost.cpu for run in hard]))
     seconds, errors, u_errors, steps = [], [], [], []
-    for stiffness in STIFFNESSES:
-        runs = [laboratory.run(start, soft(stiffness)) for start in starts]
+    for runs in softs:
         mean, error = independent_mean([energies(a)[-1] - energies(b)[-1] for a, b in zip(runs, hard, strict=True)])
         errors.append(abs(mean) / exact)
         u_errors.append(error / exact)
@@ -73,8 +77,8 @@ def _judge_precision(laboratory: Laboratory, variant: str) -> Judgement:
 
 PACKINGS = (0.1, 0.3, 0.5, 0.7, 0.8, 0.85, 0.88, 0.895)
 _COLUMNS, _ROWS = 30, 34
-#: Collisions a disk and steps that are timed.
-_COLLISIONS, _STEPS = 30, 1500
+#: Collisions a disk and steps that are timed, and how often, alternated.
+_COLLISIONS, _STEPS, _TURNS = 30, 1500, 5
 
 
 def _dense_gas(fraction: float) -> Scene:
@@ -93,26 +97,29 @@ def _dense_gas(fraction: float) -> Scene:
 
 def _judge_density(laboratory: Laboratory, variant: str) -> Judgement:
     """CPU seconds per grain and unit of time over the packing fraction, and omega t_c where soft gets cheaper."""
-    hard, rates = [], []
-    costs: dict[float, list[float]] = {stiffness: [] for stiffness in STIFFNESSES[:-1]}
+    stiffnesses = STIFFNESSES[:-1]
+    methods = [soft(stiffness=stiffness, resolution=2 * RESOLUTION) for stiffness in stiffnesses]
+    durations = [HookeImpact(0.5, stiffness, 1.0).contact_time for stiffness in stiffnesses]
+    costs, rates = [], []
     for fraction in PACKINGS:
         start = relaxed(laboratory, _dense_gas(fraction), f"state {fraction}", 2.0 if fraction < 0.65 else 0.5)
         number = start.number
         counted = start.changed(duration=1e3, output=Output(collisions=(_COLLISIONS * number,)))
-        runs = [laboratory.run(counted, EVENTS, engine="refimpl") for _ in range(3)]
-        duration = float(runs[0].time[-1])
-        hard.append(float(np.median([run.cost.cpu for run in runs])) / number / duration)
-        rates.append(2 * _COLLISIONS / duration)
-        for stiffness, found in costs.items():
-            duration = _STEPS * RESOLUTION * 2 * math.sqrt(math.pi**2 / 2 / stiffness)
-            scene, method = start.changed(duration=duration), soft(stiffness)
-            contact = method.contact
-            assert contact is not None
-            method = method.model_copy(update={"contact": contact.model_copy(update={"resolution": 2 * RESOLUTION})})
-            turns = [laboratory.run(scene, method).cost.cpu for _ in range(3)]
-            found.append(float(np.median(turns)) / number / duration)
-    curves = [Series(f"event-driven, beside {laboratory.engine}", list(PACKINGS), hard)]
-    curves += [Series(f"soft, {laboratory.engine}, k = {k:.0e}", list(PACKINGS), found) for k, found in costs.items()]
+        scenes = [start.changed(duration=_STEPS * 2 * RESOLUTION * t_c) for t_c in durations]
+        spent: list[list[float]] = []
+        for _ in range(_TURNS):
+            run = laboratory.run(counted, EVENT_DRIVEN, engine="refimpl")
+            softs = [laboratory.run(one, method) for one, method in zip(scenes, methods, strict=True)]
+            times = [float(run.time[-1]), *(scene.duration for scene in scenes)]
+            spent.append([one.cost.cpu / number / t for one, t in zip((run, *softs), times, strict=True)])
+        costs.append(np.median(spent, axis=0))
+        rates.append(2 * _COLLISIONS / times[0])
+    hard, *softer = np.array(costs).T
+    curves = [Series(f"event-driven, beside {laboratory.engine}", list(PACKINGS), hard.tolist())]
+    curves += [
+        Series(f"soft, {laboratory.engine}, k = {k:.0e}", list(PACKINGS), found.tolist())
+        for k, found in zip(stiffnesses, softer, strict=True)
+    ]
     figure = Figure(
         "Cost over density: CPU seconds per grain and unit of time",
         "packing fraction",
@@ -121,9 +128,8 @@ def _judge_density(laboratory: Laboratory, variant: str) -> Judgement:
         series=tuple(curves),
     )
     crossings, note = [], []
-    for stiffness, found in costs.items():
-        duration = math.sqrt(math.pi**2 / 2 / stiffness)
-        crossing = _crossing(np.array(PACKINGS), np.log(np.array(found) / hard), np.array(rates) * duration)
+    for stiffness, duration, found in zip(stiffnesses, durations, softer, strict=True):
+        crossing = _crossing(np.array(PACKINGS), np.log(found / hard), np.array(rates) * duration)
         if crossing is None:
             until, contacts = f"{PACKINGS[-1]:g} at least", rates[-1] * duration
         else:

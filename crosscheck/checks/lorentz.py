@@ -9,18 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
 from crosscheck.overlaps import wrapped
 from crosscheck.references import EPSILON
 from crosscheck.references import hard_spheres as reference
-from crosscheck.scene import Box, Floats, HardSpheres, Method, Output, Scene, explicit
+from crosscheck.scene import Box, Floats, HardSpheres, Output, Scene, explicit
 from crosscheck.statistics import standard_error
 from crosscheck.verdict import Figure, Judgement, Series, bounded, round_off, statistical
-
-_METHOD = Method(scheme="event_driven")
 
 
 class Arrangement(NamedTuple):
@@ -136,7 +134,7 @@ def _judge_points(laboratory: Laboratory, variant: str) -> Judgement:
         seed = laboratory.seed(str(number))
         gas = arrangement(dimension, x, SCATTERERS[dimension], POINTS[dimension], seed, overlapping)
         scene = lorentz_gas(gas, dimension, PATHS * path, interval)
-        found.append(_measure(gas, scene, laboratory.run(scene, _METHOD), interval))
+        found.append(_measure(gas, scene, laboratory.run(scene, EVENT_DRIVEN), interval))
     each = np.array(found)
     mean, error = each.mean(axis=0), standard_error(each)
     # reflections of one point: those of all, and a wide margin for the luckiest
@@ -220,7 +218,7 @@ def _judge_finite(laboratory: Laboratory, variant: str) -> Judgement:
         for size, shift in ((0.0, 0.0), (SIZE, 0.0), (0.0, 1e-9)):
             turned = gas.velocities + shift * np.roll(gas.velocities, 1, axis=1) * np.where(np.arange(dimension), 1, -1)
             scene = lorentz_gas(gas._replace(velocities=turned), dimension, STRIDES * path, STRIDES * path, size)
-            runs.append(laboratory.run(scene, _METHOD))
+            runs.append(laboratory.run(scene, EVENT_DRIVEN))
         point, finite, disturbed = (run.final_positions[-1] for run in runs)
         count = float(runs[0].tallies["collisions"][-1])
         collisions += count
@@ -254,7 +252,7 @@ def _judge_head_on(laboratory: Laboratory, variant: str) -> Judgement:
     middles = np.repeat(places[1 : HEAD_ON + 1], 2, axis=0)
     speeds = np.tile([1.0, 0.5], HEAD_ON)[:, None]
     gas = Arrangement(places[:1], middles + APART * signs * lines, -2 * signs * speeds * lines, BESIDE * side)
-    run = laboratory.run(lorentz_gas(gas, dimension, APART, APART), _METHOD)
+    run = laboratory.run(lorentz_gas(gas, dimension, APART, APART), EVENT_DRIVEN)
     return bounded(
         f"collisions of {HEAD_ON} pairs of points",
         float(run.tallies["collisions"][-1]),

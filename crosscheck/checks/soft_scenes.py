@@ -21,7 +21,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed, soft
 from crosscheck.checks.driven import (
     DRUM_RADIUS,
     DRUM_SAMPLE,
@@ -29,15 +29,14 @@ from crosscheck.checks.driven import (
     snapshot_figure,
     surface_angle,
 )
-from crosscheck.checks.fields import METHOD
+from crosscheck.checks.fields import run_whole
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, worst
 from crosscheck.engines.base import Run
-from crosscheck.errors import EngineError
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
+from crosscheck.references.soft_impact import damping, stiffness
 from crosscheck.scene import (
     Box,
-    Contact,
     Explicit,
     Face,
     Floats,
@@ -45,7 +44,6 @@ from crosscheck.scene import (
     GrainFriction,
     HardSpheres,
     Lattice,
-    Method,
     Oscillation,
     Output,
     Scene,
@@ -56,20 +54,6 @@ from crosscheck.verdict import Drum, Figure, Judgement, Series, bounded, order, 
 
 #: Stretches of a run, whose means give a profile its standard errors.
 BLOCKS = 20
-
-
-def soft(duration: float, resolution: float, friction: Literal["history", "dashpot"] = "history") -> Method:
-    """Velocity Verlet, with contacts of this duration and dt = resolution * duration."""
-    contact = Contact(duration=duration, resolution=resolution, friction=friction)
-    return Method(scheme="velocity_verlet", contact=contact)
-
-
-def _whole(laboratory: Laboratory, scene: Scene, method: Method, engine: str | None = None) -> Run:
-    """A run that has reached its end; EngineError if not."""
-    run = laboratory.run(scene, method, engine)
-    if run.stopped or run.diverged:
-        raise EngineError(f"scene {scene.name} ended early: {run.stopped or 'diverged'}")
-    return run
 
 
 def _trajectory(run: Run, skip: int) -> tuple[Floats, Floats]:
@@ -91,10 +75,9 @@ def hard_limit(durations: Sequence[float], means: Sequence[Mean]) -> Mean:
     errors = np.array([mean.error for mean in means])
     if len(set(durations)) < 2 or not (errors > 0).all():
         raise ValueError(f"a limit needs two durations and positive errors, got {durations} and {errors}")
-    design = np.stack([np.ones(len(means)), durations], axis=1) / errors[:, None]
-    covariance = np.linalg.inv(design.T @ design)
-    value = covariance @ design.T @ (np.array([mean.value for mean in means]) / errors)
-    return Mean(float(value[0]), float(covariance[0, 0] ** 0.5), min(mean.independent for mean in means))
+    values = [mean.value for mean in means]
+    line, covariance = np.polyfit(durations, values, 1, w=1 / errors, cov="unscaled")
+    return Mean(float(line[1]), float(covariance[1, 1] ** 0.5), min(mean.independent for mean in means))
 
 
 class Profile(NamedTuple):
@@ -213,10 +196,15 @@ def _measured_bed(run: Run, edges: Floats) -> _Bed:
 def _judge_bed(laboratory: Laboratory, variant: str) -> Judgement:
     # above 14 too few grains come for a temperature to a quarter
     edges = np.arange(0.0, 15.0, 2.0)
-    event_run = _whole(laboratory, _bed(laboratory.seed("event-driven"), 27000), METHOD, "refimpl")
+    event_run = run_whole(laboratory, _bed(laboratory.seed("event-driven"), 27000), EVENT_DRIVEN, "refimpl")
     hard = _measured_bed(event_run, edges)
     runs = [
-        _measured_bed(_whole(laboratory, _bed(laboratory.seed(f"soft-{t_c:g}"), samples), soft(t_c, 1 / 30)), edges)
+        _measured_bed(
+            run_whole(
+                laboratory, _bed(laboratory.seed(f"soft-{t_c:g}"), samples), soft(duration=t_c, resolution=1 / 30)
+            ),
+            edges,
+        )
         for t_c, samples in zip(_BED_DURATIONS, _BED_SAMPLES, strict=True)
     ]
     heights, energies = [run.height for run in runs], [run.energy for run in runs]
@@ -322,16 +310,14 @@ def soft_chain(
     """
     from scipy.integrate import solve_ivp
 
-    log = math.log(restitution)
-    decay = math.pi**2 + log**2
-    k = decay / (2 * t_c**2)
-    damping = 2 * abs(log) / math.sqrt(decay) * np.sqrt(k * np.array([1.0] + [0.5] * (number - 1)))
+    k = stiffness(restitution, 0.5, t_c)
+    dashpots = damping(restitution) * np.sqrt(k * np.array([1.0] + [0.5] * (number - 1)))
 
     def rates(t: float, state: Floats) -> Floats:
         y, v = state[:number], state[number:]
         # the floor's surface is where a bead below it would have its centre
         overlap = 1 - np.diff(y, prepend=-0.5)
-        force = np.where(overlap > 0, k * overlap - damping * np.diff(v, prepend=0.0), 0.0)
+        force = np.where(overlap > 0, k * overlap - dashpots * np.diff(v, prepend=0.0), 0.0)
         return np.concatenate([v, force - np.append(force[1:], 0.0) - 1])
 
     start = np.concatenate([0.5 + np.arange(number) * (1 + gap), np.full(number, -speed)])
@@ -346,8 +332,8 @@ def _judge_column(laboratory: Laboratory, variant: str) -> Judgement:
 def _judge_apart(laboratory: Laboratory) -> Judgement:
     """Gaps of 0.1, far above v t_c: two cascades of 28 impacts each, then one common flight, near its top at t = 4."""
     scene, speed = _column(_GAP, 4.0), math.sqrt(2 * _FALL)
-    hard = _column_after(_whole(laboratory, scene, METHOD, "refimpl"))
-    runs = [_column_after(_whole(laboratory, scene, soft(t_c, 1 / 400))) for t_c in _APART]
+    hard = _column_after(run_whole(laboratory, scene, EVENT_DRIVEN, "refimpl"))
+    runs = [_column_after(run_whole(laboratory, scene, soft(duration=t_c, resolution=1 / 400))) for t_c in _APART]
     judgements, curves = [], []
     for name in ("energy", "height"):
         expected = getattr(hard, name)
@@ -383,11 +369,14 @@ def _judge_touching(laboratory: Laboratory) -> Judgement:
         gap = ratio * speed * _TOUCHING
         scene = _column(gap, speed + after)
         before = _BEADS * _FALL + gap * _BEADS * (_BEADS - 1) / 2
-        event_driven.append(_column_after(_whole(laboratory, scene, METHOD, "refimpl")).energy / before)
+        event_driven.append(_column_after(run_whole(laboratory, scene, EVENT_DRIVEN, "refimpl")).energy / before)
         chain = column_state(*soft_chain(_BEADS, _RESTITUTION, _TOUCHING, gap, speed, after))
         chains.append(chain.energy / before)
         for steps, kept in found.items():
-            kept.append(_column_after(_whole(laboratory, scene, soft(_TOUCHING, 1 / steps))).energy / before)
+            kept.append(
+                _column_after(run_whole(laboratory, scene, soft(duration=_TOUCHING, resolution=1 / steps))).energy
+                / before
+            )
     coarse, fine = (np.array(kept) for kept in found.values())
     departures = np.abs(fine - chains)
     at = int(departures.argmax())
@@ -463,11 +452,15 @@ def _measured_pipe(run: Run) -> _Pipe:
 
 
 def _judge_pipe(laboratory: Laboratory, variant: str) -> Judgement:
-    event_run = _whole(laboratory, _pipe(laboratory.seed("event-driven"), 30000.0), METHOD, "refimpl")
+    event_run = run_whole(laboratory, _pipe(laboratory.seed("event-driven"), 30000.0), EVENT_DRIVEN, "refimpl")
     hard = _measured_pipe(event_run)
     runs = [
         _measured_pipe(
-            _whole(laboratory, _pipe(laboratory.seed(f"soft-{part}"), 10000.0), soft(t_c, 1 / 40, "dashpot"))
+            run_whole(
+                laboratory,
+                _pipe(laboratory.seed(f"soft-{part}"), 10000.0),
+                soft(duration=t_c, resolution=1 / 40, friction="dashpot"),
+            )
         )
         for part, t_c in enumerate(_PIPE_DURATIONS)
     ]
@@ -568,13 +561,17 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
     laws: tuple[Literal["history", "dashpot"], ...] = ("history", "dashpot")
     runs = {
         law: [
-            _whole(laboratory, _drum(laboratory.seed(f"{law}-{part}"), None, 450.0), soft(t_c, 1 / 25, law))
+            run_whole(
+                laboratory,
+                _drum(laboratory.seed(f"{law}-{part}"), None, 450.0),
+                soft(duration=t_c, resolution=1 / 25, friction=law),
+            )
             for part, t_c in enumerate(_DRUM_DURATIONS)
         ]
         for law in laws
     }
     event_runs = [
-        _whole(laboratory, _drum(laboratory.seed(f"tc-{part}"), t_c, 150.0), METHOD, "refimpl")
+        run_whole(laboratory, _drum(laboratory.seed(f"tc-{part}"), t_c, 150.0), EVENT_DRIVEN, "refimpl")
         for part, t_c in enumerate(_TC_DURATIONS)
     ]
     heaps = {law: [_measured_drum(run) for run in runs[law]] for law in laws}
@@ -595,7 +592,9 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
     if engine != "refimpl":
         # the same law in two codes has no such latitude
         again = _drum(laboratory.seed("refimpl"), None, 450.0)
-        twin = _measured_drum(_whole(laboratory, again, soft(_DRUM_DURATIONS[0], 1 / 25), "refimpl")).angle
+        twin = _measured_drum(
+            run_whole(laboratory, again, soft(duration=_DRUM_DURATIONS[0], resolution=1 / 25), "refimpl")
+        ).angle
         quantity = "angle of soft grains with tangential springs, beside refimpl's"
         judgements.append(_against(quantity, angles["history"][0], twin, 0.06, "standard errors of correlated series"))
     frame = Drum(DRUM_RADIUS, DRUM_RADIUS, DRUM_RADIUS)

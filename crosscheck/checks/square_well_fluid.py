@@ -9,18 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
 from crosscheck.convergence import worst
 from crosscheck.engines.base import Run
 from crosscheck.faults import Fault
 from crosscheck.overlaps import wrapped
 from crosscheck.references import EPSILON
 from crosscheck.references import square_well as reference
-from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, Well, explicit
+from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, Well, explicit
 from crosscheck.statistics import Mean, correlated_mean
 from crosscheck.verdict import Figure, Judgement, Series, round_off, statistical
 
-_METHOD = Method(scheme="event_driven")
 WIDTH = reference.WIDTH
 OBSERVABLES: tuple[Observable, ...] = (
     "kinetic_energy",
@@ -70,7 +69,7 @@ def _judge_energy(laboratory: Laboratory, variant: str) -> Judgement:
         duration=ENERGY_SAMPLES * ENERGY_INTERVAL,
         output=Output(interval=ENERGY_INTERVAL, observables=OBSERVABLES, trajectory=True),
     )
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     kinetic, potential = _energies(run)
     assert run.positions is not None
     lengths = scene.lengths()
@@ -207,7 +206,7 @@ def _judge_pairs(laboratory: Laboratory, variant: str) -> Judgement:
         initial=explicit(centres + signs * np.repeat(relative, 2, 0), signs * np.repeat(velocity, 2, 0)),
         output=Output(interval=0.05, observables=OBSERVABLES, trajectory=True),
     )
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     positions, velocities = run.final_positions, run.final_velocities
     found = np.hstack([positions[::2] - positions[1::2], velocities[::2] - velocities[1::2]])
     expected, growth, seen = np.empty_like(found), np.empty(PAIRS), np.zeros(4, np.int64)
@@ -309,7 +308,7 @@ def _judge_virial(laboratory: Laboratory, variant: str) -> Judgement:
     duration = DILUTE_TIME[dimension]
     interval = duration / DILUTE_SAMPLES
     scene = scene.changed(duration=duration, output=Output(interval=interval, observables=OBSERVABLES))
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     # the start, on a lattice, is left out: two dozen free times
     kept = slice(DILUTE_SAMPLES // 20, None)
     t = _temperatures(scene, run)[kept]
@@ -376,7 +375,7 @@ def _rescaled(laboratory: Laboratory, scene: Scene, temperature: float, rounds: 
     """Runs of `span`, after each of which the velocities are scaled to the temperature."""
     for _ in range(rounds):
         run = laboratory.run(
-            scene.changed(duration=span, output=Output(interval=span, observables=OBSERVABLES)), _METHOD
+            scene.changed(duration=span, output=Output(interval=span, observables=OBSERVABLES)), EVENT_DRIVEN
         )
         kinetic = 0.5 * float((run.final_velocities**2).sum())
         factor = np.sqrt(1.5 * (scene.number - 1) * temperature / kinetic)
@@ -395,7 +394,7 @@ class _Production(NamedTuple):
 def _produced(laboratory: Laboratory, scene: Scene, duration: float) -> _Production:
     interval = duration / LIQUID_SAMPLES
     scene = scene.changed(duration=duration, output=Output(interval=interval, observables=OBSERVABLES))
-    run = laboratory.run(scene, _METHOD)
+    run = laboratory.run(scene, EVENT_DRIVEN)
     t = _temperatures(scene, run)
     energy = np.diff(run.tallies["potential_energy_integral"]) / (interval * scene.number)
     # with the mean temperature: the virial of an interval is not divided by what fluctuates with it

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
+from crosscheck.engines.base import Claims, Cost, Run, sample_times, strides, timed
 from crosscheck.scene import LennardJones, Method, Scene, State
 
 #: `ase.neighborlist.NeighborList` adds this length, whatever the scene's unit of length, to every cutoff.
@@ -56,7 +56,7 @@ class AseEngine:
         state = scene.initial_state()
         atoms = _atoms(scene, state, lj)
         dynamics = VelocityVerlet(atoms, timestep=method.step)
-        steps, every = scene.steps(method.step), scene.every(method.step) or max(scene.steps(method.step), 1)
+        steps, every = strides(scene, method)
         times = sample_times(scene, method)
         shape = (times.size, scene.number, scene.dimension)
         output = scene.output

@@ -122,6 +122,12 @@ def timed(cost: Cost) -> Iterator[None]:
     cost.peak_bytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
+def strides(scene: Scene, method: Method) -> tuple[int, int]:
+    """Steps of a run with time steps, and steps between its samples."""
+    steps = scene.steps(method.step)
+    return steps, scene.every(method.step) or max(steps, 1)
+
+
 def sample_times(scene: Scene, method: Method) -> Floats:
     """Times of the samples, from whole numbers of steps: the start and every `output.interval`; or start and end.
 
@@ -129,8 +135,7 @@ def sample_times(scene: Scene, method: Method) -> Floats:
     """
     if method.dt is None:
         return scene.samples()
-    steps, every = scene.steps(method.dt), scene.every(method.dt)
-    every = every or max(steps, 1)
+    steps, every = strides(scene, method)
     return np.arange(0, steps + 1, every) * method.dt
 
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.base import Claims, Run, sample_times, timed
+from crosscheck.engines.base import Claims, Run, sample_times, strides, timed
 from crosscheck.scene import Floats, Method, Scene, State
 
 _MPI = "libmpi.so.12"
@@ -118,12 +118,6 @@ def _integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
     return run
 
 
-def strides(scene: Scene, method: Method) -> tuple[int, int]:
-    """Steps of the run, and steps between samples."""
-    steps = scene.steps(method.step)
-    return steps, scene.every(method.step) or max(steps, 1)
-
-
 def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, int]:
     """Runs a scene whose forces, integrator and records are set up.
 
@@ -211,11 +205,10 @@ class Atoms:
     LAMMPS holds wrapped positions and counts the boxes crossed; the box a particle starts in is kept here.
     """
 
-    def __init__(self, lmp: Any, state: State, periods: Floats) -> None:
-        """periods: (d,), 0 along axes that are not periodic."""
+    def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
         self._lmp = lmp
         self.state = state
-        self._periods = periods
+        self._periods = periods = scene.periods()
         lengths = np.where(periods > 0, periods, np.inf)
         self._home = np.floor(state.positions / lengths) * periods
         self.wrapped = state.positions - self._home
@@ -259,11 +252,7 @@ class _System(Atoms):
     """The particles of springs, Lennard-Jones or gravity, and their forces."""
 
     def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
-        periods = np.zeros(scene.dimension)
-        if state.lengths is not None:
-            periodic = [boundary == "periodic" for boundary in scene.boundaries]
-            periods[periodic] = state.lengths[periodic]
-        super().__init__(lmp, state, periods)
+        super().__init__(lmp, scene, state)
         kinds = _kinds(scene)
         self.types = sorted(set(kinds))
         style = "charge" if scene.gravity is not None else "atomic"

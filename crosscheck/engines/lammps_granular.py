@@ -21,8 +21,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from crosscheck.engines import soft_spheres
-from crosscheck.engines.base import Run, tally_shapes
-from crosscheck.engines.lammps import FEW, Atoms, advance, box, pair_virial, strides
+from crosscheck.engines.base import Run, strides, tally_shapes
+from crosscheck.engines.lammps import FEW, Atoms, advance, box, pair_virial
 from crosscheck.engines.soft_spheres import Law, SoftSpheres
 from crosscheck.scene import AXES, Contact, Cylinder, Face, Method, Oscillation, Scene, State
 
@@ -80,13 +80,12 @@ class _Grains(Atoms):
 
     def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
         assert state.diameters is not None
-        periods = np.zeros(scene.dimension)
+        super().__init__(lmp, scene, state)
         styles, edges = ["p"] * 3, [(-0.5, 0.5)] * 3
         margin = float(state.diameters.max())
         for axis, boundary in enumerate(scene.boundaries):
             length = 0.0 if state.lengths is None else float(state.lengths[axis])
             if boundary == "periodic":
-                periods[axis] = length
                 edges[axis] = (0.0, length)
                 continue
             x = state.positions[:, axis]
@@ -97,7 +96,6 @@ class _Grains(Atoms):
             upper = length if walled[1] else float(x.max())
             edges[axis] = (lower - beyond[0], upper + beyond[1])
             styles[axis] = "".join("f" if wall else "s" for wall in walled)
-        super().__init__(lmp, state, periods)
         few_in_the_open = any("s" in style for style in styles) and scene.number <= FEW
         lmp.commands_list(
             [

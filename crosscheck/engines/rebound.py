@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
+from crosscheck.engines.base import Claims, Cost, Run, sample_times, strides, timed
 from crosscheck.scene import Floats, Method, Scene
 
 #: Schemes of hard spheres, and REBOUND's name of the search for collisions.
@@ -77,7 +77,7 @@ class ReboundEngine:
         simulation = _simulation(scene, state.positions, state.velocities, state.masses)
         simulation.integrator = method.scheme
         simulation.dt = method.step
-        steps, every = scene.steps(method.step), scene.every(method.step) or max(scene.steps(method.step), 1)
+        steps, every = strides(scene, method)
         times = sample_times(scene, method)
         shape = (times.size, scene.number, scene.dimension)
         output = scene.output

@@ -30,7 +30,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.base import Cost, Run, sample_times, timed
+from crosscheck.engines.base import Cost, Run, sample_times, strides, timed
 from crosscheck.scene import Floats, Lattice, Method, Scene
 
 #: Root boxes along an axis: the tree search looks through all of them for every sphere.
@@ -88,7 +88,7 @@ def root_boxes(lengths: Floats) -> tuple[float, tuple[int, ...]] | None:
 def run_collisions(scene: Scene, method: Method, search: str) -> Run:
     """Runs a scene of hard spheres by time steps, with REBOUND's collision search of this name."""
     cost, times, output = Cost(), sample_times(scene, method), scene.output
-    steps, every = scene.steps(method.step), scene.every(method.step) or max(scene.steps(method.step), 1)
+    steps, every = strides(scene, method)
     gas = _Gas(scene, method, search)
     shape = (times.size, scene.number, scene.dimension)
     positions, velocities = np.full(shape, np.nan), np.full(shape, np.nan)

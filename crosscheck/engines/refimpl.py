@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
 from crosscheck.engines.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
 from refimpl.stepping.schemes import SCHEMES
+
+if TYPE_CHECKING:
+    from refimpl.stepping.integrate import Integration
 
 NAIVE = "event_driven_naive"
 #: Event-driven schemes, and the queue of events that `refimpl.events` calls by that name.
@@ -94,20 +97,25 @@ def _names(names: Iterable[str]) -> str:
     return ", ".join(f"'{name}'" for name in names)
 
 
-def _run_steps(scene: Scene, method: Method) -> Run:
+def integrated(
+    scene: Scene,
+    method: Method,
+    force: Any,
+    r: Floats,
+    v: Floats,
+    *,
+    trajectory: bool,
+    thermo: bool,
+    last: int | None = None,
+) -> tuple[Integration, Cost]:
+    """The step loop over the scene's duration, compiled apart; arguments as of `refimpl.stepping.integrate`."""
     from numba import typeof
 
-    from refimpl.stepping.integrate import acceleration, compile_steps, integrate
+    from refimpl.stepping.integrate import compile_steps, integrate
 
-    state = scene.initial_state()
-    force = _force(scene, state)
-    r, v = state.positions.ravel(), state.velocities.ravel()
-    dt = method.step
+    dt, cost = method.step, Cost()
     steps, every = scene.steps(dt), scene.every(dt)
-    output = scene.output
-    cost = Cost()
-
-    started, thermo = time.perf_counter(), bool(output.observables)
+    started = time.perf_counter()
     forces_type = str(typeof(force))
     with one_at_a_time(forces_type):
         integrate(method.scheme, force, r, v, dt, 0, thermo=thermo)  # compiles the forces
@@ -118,9 +126,26 @@ def _run_steps(scene: Scene, method: Method) -> Run:
 
     with timed(cost):
         done = integrate(
-            method.scheme, force, r, v, dt, steps, every=every, trajectory=output.trajectory, thermo=thermo
+            method.scheme, force, r, v, dt, steps, every=every, trajectory=trajectory, last=last, thermo=thermo
         )
     cost.steps, cost.evaluations = done.steps, done.evaluations
+    return done, cost
+
+
+def _run_steps(scene: Scene, method: Method) -> Run:
+    from refimpl.stepping.integrate import acceleration
+
+    state, output = scene.initial_state(), scene.output
+    r, v = state.positions.ravel(), state.velocities.ravel()
+    done, cost = integrated(
+        scene,
+        method,
+        _force(scene, state),
+        r,
+        v,
+        trajectory=output.trajectory,
+        thermo=bool(output.observables),
+    )
 
     def rows(flat: Floats) -> Floats:
         return flat.reshape(*flat.shape[:-1], scene.number, scene.dimension)

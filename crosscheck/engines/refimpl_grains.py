@@ -2,51 +2,34 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
-from numba import typeof
 
-from crosscheck.engines.base import Cost, Run, face_names, sample_times, tally_shapes, timed
-from crosscheck.engines.cache import one_at_a_time
+from crosscheck.engines.base import Cost, Run, face_names, sample_times, tally_shapes
+from crosscheck.engines.refimpl import integrated
 from crosscheck.engines.soft_spheres import Law, inertia_ratio, soft_spheres
 from crosscheck.scene import AXES, Floats, Method, Scene, State
 from refimpl.stepping.forces import grains as soft
-from refimpl.stepping.integrate import Integration, compile_steps, integrate
+from refimpl.stepping.integrate import Integration
 
 
 def run_grains(scene: Scene, method: Method) -> Run:
     """Runs a scene of hard spheres with the contact of `method`."""
-    state, output, dt = scene.initial_state(), scene.output, method.step
+    state, output = scene.initial_state(), scene.output
     force = soft_grains(scene, state, method)
     r, v = soft.coordinates(force, state.positions, state.velocities, state.angular_velocities)
-    thermo = bool({"kinetic_energy", "potential_energy"} & set(output.observables))
     whole = output.trajectory or "rotational_energy" in output.observables
-    cost = Cost()
-
-    started = time.perf_counter()
-    with one_at_a_time(f"{method.scheme} {thermo} {typeof(force)}"):
-        integrate(method.scheme, force, r, v, dt, 0, thermo=thermo)  # compiles the forces
-        compile_steps(method.scheme, force, r, v, dt, thermo=thermo)
-    cost.compile = time.perf_counter() - started
-
-    # nothing of the attempts before is left in it
-    force = soft_grains(scene, state, method)
-    with timed(cost):
-        done = integrate(
-            method.scheme,
-            force,
-            r,
-            v,
-            dt,
-            scene.steps(dt),
-            every=scene.every(dt),
-            trajectory=whole or force.tallies,
-            last=None if whole else force.auxiliary,
-            thermo=thermo,
-        )
-    cost.steps, cost.evaluations = done.steps, done.evaluations
+    done, cost = integrated(
+        scene,
+        method,
+        force,
+        r,
+        v,
+        trajectory=whole or force.tallied,
+        thermo=bool({"kinetic_energy", "potential_energy"} & set(output.observables)),
+        last=None if whole else force.auxiliary,
+    )
     return _run(scene, force, sample_times(scene, method), done, cost)
 
 
@@ -65,13 +48,13 @@ def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
         place = float(state.lengths[axis]) if upper else 0.0
         moves = face.oscillation
         motion = (0.0, 0.0, 0.0) if moves is None else (moves.amplitude, moves.frequency, moves.phase)
-        walls.append(soft.Plane(axis, -1 if upper else 1, place, _law(law), *motion))
+        walls.append(soft.Plane(axis, -1 if upper else 1, place, soft.Law(*law), *motion))
     return soft.grains(
         radii=state.diameters / 2,
         masses=state.masses,
         lengths=[1.0] * scene.dimension if state.lengths is None else state.lengths.tolist(),
         periodic=[boundary == "periodic" for boundary in scene.boundaries],
-        law=_law(laws.pair),
+        law=soft.Law(*laws.pair),
         inertia=inertia_ratio(scene) if friction else None,
         gravity=scene.acceleration,
         walls=walls,
@@ -86,10 +69,6 @@ def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
     )
 
 
-def _law(law: Law) -> soft.Law:
-    return soft.Law(*law)
-
-
 def _cylinder(scene: Scene, state: State, law: Law | None) -> soft.Cylinder | None:
     cylinder = None if scene.box is None else scene.box.cylinder
     if cylinder is None or law is None:
@@ -97,7 +76,7 @@ def _cylinder(scene: Scene, state: State, law: Law | None) -> soft.Cylinder | No
     assert state.lengths is not None
     first, second = (float(length) / 2 for length in state.lengths[list(scene.across)])
     axis = 2 if cylinder.axis is None else AXES.index(cylinder.axis)
-    return soft.Cylinder(cylinder.radius, (first, second), _law(law), axis, cylinder.angular_velocity)
+    return soft.Cylinder(cylinder.radius, (first, second), soft.Law(*law), axis, cylinder.angular_velocity)
 
 
 def _run(scene: Scene, force: soft.Grains, times: Floats, done: Integration, cost: Cost) -> Run:
@@ -128,7 +107,7 @@ def _run(scene: Scene, force: soft.Grains, times: Floats, done: Integration, cos
         assert done.velocities is not None
         inertias: Any = 1.0 if force.inverse_inertias is None else 1 / force.inverse_inertias[:, None]
         run.tallies["rotational_energy"] = (0.5 * inertias * turns(done.velocities) ** 2).sum(axis=(1, 2))
-    if force.tallies:
+    if force.tallied:
         assert done.velocities is not None
         run.tallies |= _tallied(scene, force, done.velocities[:, -force.auxiliary :], asked)
     return run

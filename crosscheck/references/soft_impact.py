@@ -83,6 +83,11 @@ def damping(alpha: float, law: Literal["hooke", "hertz"] = "hooke") -> float:
     return LARGEST_DAMPING[law] * abs(math.log(alpha)) / math.hypot(math.pi, math.log(alpha))
 
 
+def stiffness(alpha: float, mass: float, contact_time: float) -> float:
+    """k of a contact time, (pi^2 + ln^2 alpha) m/t_c^2 with the reduced mass m, of "hooke"."""
+    return mass * (math.pi**2 + math.log(alpha) ** 2) / contact_time**2
+
+
 def restitution(c: float, law: Literal["hooke", "hertz"] = "hooke") -> float:
     """alpha of a damping, exp(-pi zeta/sqrt(1 - zeta^2)), zeta = c/2 of "hooke", c/sqrt(5) of "hertz".
 

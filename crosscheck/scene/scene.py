@@ -204,6 +204,11 @@ class Scene(Part):
             volume = self.number / self.box.density
         return np.full(self.dimension, volume ** (1.0 / self.dimension))
 
+    def periods(self) -> Floats:
+        """Box side along each periodic axis, 0 along the others, (d,)."""
+        lengths = self.lengths()
+        return np.where(np.array(self.boundaries) == "periodic", 0.0 if lengths is None else lengths, 0.0)
+
     def samples(self) -> Floats:
         """Times at which an event-driven run is recorded.
 

@@ -175,20 +175,16 @@ def check_hard_state(scene: Scene, spheres: HardSpheres, state: State, fixed: ND
             i = int(np.flatnonzero(fixed & (vectors != 0).any(axis=1))[0])
             raise UsageError(f"initial.{name}[{i}] is not zero: the particle is of a fixed species; make it zero")
     rounding = TOUCHING * float(state.diameters.max() or np.abs(state.positions).max())
-    periods = np.zeros(scene.dimension)
     if state.lengths is not None:
         contact = float(state.diameters.max()) * (spheres.well.range if spheres.well is not None else 1.0)
-        for axis, boundary in enumerate(scene.boundaries):
-            length = float(state.lengths[axis])
-            if boundary == "periodic":
-                periods[axis] = length
-                if length <= 2 * contact:
-                    raise UsageError(
-                        f"box: its length {length:.6g} along {AXES[axis]}, which is periodic, must exceed two contact "
-                        f"ranges, {2 * contact:.6g}: take a larger box"
-                    )
+        for axis, period in enumerate(scene.periods().tolist()):
+            if 0 < period <= 2 * contact:
+                raise UsageError(
+                    f"box: its length {period:.6g} along {AXES[axis]}, which is periodic, must exceed two contact "
+                    f"ranges, {2 * contact:.6g}: take a larger box"
+                )
         _refuse_beyond_walls(scene, state, rounding)
-    overlap = find_overlap(state.positions, state.diameters, fixed, periods, rounding)
+    overlap = find_overlap(state.positions, state.diameters, fixed, scene.periods(), rounding)
     if overlap is not None:
         lattice = isinstance(scene.initial, Lattice)
         raise UsageError(

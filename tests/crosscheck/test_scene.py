@@ -11,6 +11,7 @@ import pytest
 import tomli_w
 from hypothesis import given
 from hypothesis import strategies as st
+from scene_files import assert_survives_files
 from scipy.spatial import cKDTree
 
 from crosscheck.errors import UsageError
@@ -194,13 +195,7 @@ def scenes(draw: st.DrawFn) -> Scene:
 
 @given(scene=scenes())
 def test_toml_and_json_give_back_an_equal_scene(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> None:
-    assert Scene.from_json(scene.to_json()) == scene
-    path = tmp_path_factory.getbasetemp() / "scene.toml"
-    path.write_text(scene.to_toml(), encoding="utf-8", newline="")
-    again = Scene.load(path)
-    assert again == scene
-    assert again.to_toml() == scene.to_toml()
-    assert scene.changed() == scene
+    assert_survives_files(scene, tmp_path_factory.getbasetemp())
 
 
 def test_a_scene_is_frozen() -> None:

@@ -93,11 +93,11 @@ class Grains(NamedTuple):
     """Soft grains; build them with `grains`. Absent features are None or empty.
 
     sides: box side of each periodic axis, 0 for others. inverse_inertias: (N,), None of smooth grains. gravity: (d,).
-    law, walls, cylinder: rows of numbers, see refimpl.stepping.kernels.contacts. tallies: whether they are integrated;
-    the last `auxiliary` coordinates are the clock and, with them, the number of touching pairs, sum r_ij . F_ij, the
-    forces on each wall and on the cylinder (d each), and the torque of the cylinder on the grains. pairs: (P, 2);
-    reach2: squared contact distances; touching, stretches (P, 3) and wall_stretches (walls + 1, N, 3): of rough grains.
-    clock: (1,), of the last evaluation. state: see STATUS in the kernels.
+    law, walls, cylinder: rows of numbers, see refimpl.stepping.kernels.contacts. auxiliary: number of the coordinates
+    after the angles: the clock and, if they are tallied, the number of touching pairs, sum r_ij . F_ij, the forces on
+    each wall and on the cylinder (d each), and the torque of the cylinder on the grains. pairs: (P, 2); reach2: squared
+    contact distances; touching, stretches (P, 3) and wall_stretches (walls + 1, N, 3): of rough grains. clock: (1,), of
+    the last evaluation. state: see STATUS in the kernels.
     """
 
     sides: tuple[float, ...]
@@ -110,7 +110,6 @@ class Grains(NamedTuple):
     model: Model
     walls: np.ndarray
     cylinder: np.ndarray
-    tallies: bool
     auxiliary: int
     skin: float
     built: np.ndarray
@@ -121,6 +120,11 @@ class Grains(NamedTuple):
     wall_stretches: np.ndarray
     clock: np.ndarray
     state: np.ndarray
+
+    @property
+    def tallied(self) -> bool:
+        """More than the clock is integrated."""
+        return self.auxiliary > 1
 
 
 def _row(law: Law) -> list[float]:
@@ -216,7 +220,6 @@ def grains(
         model=Model(hertz, damping == "mass", history, granular),
         walls=np.array(rows, dtype=np.float64).reshape(len(rows), 11),
         cylinder=np.zeros(0) if cylinder is None else _cylinder_row(cylinder),
-        tallies=tallies,
         auxiliary=1 + (2 + (len(rows) + 1) * dimension + 1 if tallies else 0),
         skin=min(SKIN * diameter if skin is None else skin, 0.499 * shortest - diameter),
         built=np.zeros(number * dimension),
@@ -267,7 +270,7 @@ def _accelerate(force: Grains, r: np.ndarray, v: np.ndarray) -> np.ndarray:
         force.model,
         force.walls,
         force.cylinder,
-        force.tallies,
+        force.auxiliary,
         force.skin,
         force.built,
         force.pairs,

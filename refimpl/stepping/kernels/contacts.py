@@ -379,15 +379,20 @@ def _on_wall(  # type: ignore[no-untyped-def]
 
 
 @inner
+def _motion(wall: Any, time: float) -> tuple[float, float]:
+    """Place and velocity of a plane wall."""
+    swing, angle = wall[SIGN] * wall[AMPLITUDE], wall[FREQUENCY] * time + wall[PHASE]
+    return wall[PLACE] + swing * np.cos(angle), -swing * wall[FREQUENCY] * np.sin(angle)
+
+
+@inner
 def _planes(  # type: ignore[no-untyped-def]
     d, radii, inverse_masses, inverse_inertias, walls, model, stretches, elapsed, time, r, v, a, on_walls
 ):
     n, g, u, w, f = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     for wall in range(len(walls)):
         axis, sign = int(walls[wall, AXIS]), walls[wall, SIGN]
-        angle = walls[wall, FREQUENCY] * time + walls[wall, PHASE]
-        place = walls[wall, PLACE] + sign * walls[wall, AMPLITUDE] * np.cos(angle)
-        speed = -sign * walls[wall, AMPLITUDE] * walls[wall, FREQUENCY] * np.sin(angle)
+        place, speed = _motion(walls[wall], time)
         n[0] = n[1] = n[2] = 0.0
         n[axis] = sign
         for i in range(len(radii)):
@@ -443,7 +448,7 @@ def _cylinder(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def grain_accelerations(  # type: ignore[no-untyped-def]
-    sides, radii, inverse_masses, inverse_inertias, gravity, law, model, walls, cylinder, tallies, skin, built, pairs,
+    sides, radii, inverse_masses, inverse_inertias, gravity, law, model, walls, cylinder, auxiliary, skin, built, pairs,
     reach2, touching, stretches, wall_stretches, clock, state, r, v, a,
 ):  # fmt: skip
     """Accelerations, angular accelerations, and rates of the tallies, to `a`; NaN where the list cannot be made."""
@@ -452,9 +457,7 @@ def grain_accelerations(  # type: ignore[no-untyped-def]
         for k in range(len(a)):
             a[k] = np.nan
         return
-    ends = d * number
-    if inverse_inertias is not None:
-        ends += 3 * number if d == 3 else number
+    ends = len(r) - auxiliary
     time = r[ends]
     # an evaluation at the time of the last one is a repeated one, or the first
     elapsed = 0.0 if np.isnan(clock[0]) else time - clock[0]
@@ -479,7 +482,7 @@ def grain_accelerations(  # type: ignore[no-untyped-def]
             d, radii, inverse_masses, inverse_inertias, cylinder, model, wall_stretches[len(walls)], elapsed, r, v, a,
             on_walls[len(walls)],
         )  # fmt: skip
-    if tallies:
+    if auxiliary > 1:
         a[ends + 1], a[ends + 2] = contacts, virial
         for wall in range(len(walls) + 1):
             for k in range(d):
@@ -513,8 +516,7 @@ def elastic_energy(  # type: ignore[no-untyped-def]
             virial += distance * law[STIFFNESS] * _scale(model, delta, radius) * delta
     for wall in range(len(walls)):
         axis, sign = int(walls[wall, AXIS]), walls[wall, SIGN]
-        angle = walls[wall, FREQUENCY] * time + walls[wall, PHASE]
-        place = walls[wall, PLACE] + sign * walls[wall, AMPLITUDE] * np.cos(angle)
+        place, _ = _motion(walls[wall], time)
         for i in range(len(radii)):
             delta = radii[i] - sign * (r[d * i + axis] - place)
             if delta > 0.0:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -30,14 +28,6 @@ from crosscheck.scene import (
 
 ALL = ("kinetic_energy", "potential_energy", "virial")
 STEP = Method(scheme="velocity_verlet", dt=0.002)
-
-
-@pytest.fixture(scope="module")
-def lammps() -> Iterator[Worker]:
-    worker = Worker("lammps", time_limit=60)
-    yield worker
-    worker.close()
-    assert "lammps" not in sys.modules
 
 
 def oscillator(**changes: Any) -> Scene:

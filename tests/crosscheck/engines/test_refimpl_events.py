@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -37,13 +36,6 @@ from refimpl.events.state import State
 
 EVENTS = Method(scheme="event_driven")
 NAIVE = Method(scheme="event_driven_naive")
-
-
-@pytest.fixture(scope="module")
-def refimpl() -> Iterator[Worker]:
-    worker = Worker("refimpl", time_limit=300)
-    yield worker
-    worker.close()
 
 
 def disks(**changes: Any) -> Scene:

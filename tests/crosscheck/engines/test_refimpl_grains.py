@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -41,13 +40,6 @@ T_C, STEPS = 1e-3, 400
 STEP = math.pi / STEPS
 SOFT = Method(scheme="velocity_verlet", contact=Contact(duration=T_C, resolution=1 / STEPS))
 ROUGH = GrainFriction(tangential_restitution=0.3, static=0.2, sliding=0.2)
-
-
-@pytest.fixture(scope="module")
-def refimpl() -> Iterator[Worker]:
-    worker = Worker("refimpl", time_limit=300)
-    yield worker
-    worker.close()
 
 
 def dashpot(alpha: float) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -28,13 +27,6 @@ WALLS = (
     Obstacle(columns=(0, 0), rule="specular_x"),
     Obstacle(centre=(20.0, 5.0), radius=2.0),
 )
-
-
-@pytest.fixture(scope="module")
-def refimpl() -> Iterator[Worker]:
-    worker = Worker("refimpl", time_limit=300)
-    yield worker
-    worker.close()
 
 
 def gas(model: str = "fhp1", rows: int = 12, columns: int = 40, **changes: Any) -> Scene:
