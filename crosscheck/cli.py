@@ -31,25 +31,25 @@ def list_checks(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document instead of a table.")] = False,
 ) -> None:
     """List the checks, their tier, engines and variants."""
-    from crosscheck import terminal
+    from crosscheck import commands
 
-    terminal.list_checks(as_json)
+    commands.list_checks(as_json)
 
 
 @app.command()
 def show(check: Annotated[str, typer.Argument(help="Name of a check.")]) -> None:
     """What a check measures, against what, with which criterion, and its planted faults."""
-    from crosscheck import terminal
+    from crosscheck import commands
 
-    terminal.show(check)
+    commands.show(check)
 
 
 @app.command()
 def engines() -> None:
     """Which engines are found, which are missing and why."""
-    from crosscheck import terminal
+    from crosscheck import commands
 
-    terminal.engines()
+    commands.engines()
 
 
 @app.command()
@@ -67,9 +67,9 @@ def run(
 
     Exit status: 0 all pass, 1 a check failed or ended in error, 2 bad usage or input.
     """
-    from crosscheck import terminal
+    from crosscheck import commands
 
-    raise typer.Exit(terminal.run(patterns or [], tier, engine or [], seed, jobs, out, resume, junit))
+    raise typer.Exit(commands.run(patterns or [], tier, engine or [], seed, jobs, out, resume, junit))
 
 
 @app.command()
@@ -79,9 +79,9 @@ def prove(
     seed: Annotated[int, typer.Option(min=0)] = 0,
 ) -> None:
     """Plant every check's faults in a copy of refimpl: each must turn its check red."""
-    from crosscheck import terminal
+    from crosscheck import commands
 
-    raise typer.Exit(terminal.prove(checks or [], jobs, seed))
+    raise typer.Exit(commands.prove(checks or [], jobs, seed))
 
 
 @app.command()
@@ -91,17 +91,17 @@ def simulate(
     out: Out = Path("crosscheck-out"),
 ) -> None:
     """Run any scene: observables, trajectory and a picture; two engines side by side."""
-    from crosscheck import terminal
+    from crosscheck import commands
 
-    terminal.simulate(scene, engine or ["refimpl"], out)
+    commands.simulate(scene, engine or ["refimpl"], out)
 
 
 @app.command()
 def report(directory: Annotated[Path, typer.Argument(help="Directory of a run.")]) -> None:
     """Write the HTML report of a run again, from its record."""
-    from crosscheck import terminal
+    from crosscheck import commands
 
-    terminal.report(directory)
+    commands.report(directory)
 
 
 def main() -> None:

@@ -6,32 +6,16 @@ Ordinary Differential Equations I, 2nd ed., Springer (1993), section II.9.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from crosscheck.verdict import Figure, Judgement
 
 Floats = NDArray[np.float64]
 
 #: Orders are whole numbers: a quarter keeps the neighbouring orders three tolerances away.
 ORDER_TOLERANCE = 0.25
 WHY_ORDER = "orders are whole numbers; a quarter keeps the neighbouring ones three tolerances away"
-
-
-def worst(judgements: list[Judgement], note: str, figures: tuple[Figure, ...] | None = None) -> Judgement:
-    """The worst of several judgements, with a note that gives every measured value, and the figures given, or of all.
-
-    Red before undecided before green, then by deviation.
-    """
-    ranks = {"fail": 2, "inconclusive": 1}
-    chosen = max(judgements, key=lambda j: (ranks.get(j.outcome, 0), j.deviation or 0.0))
-    values = "; ".join(f"{j.quantity} {j.measured:.4g} (expected {j.expected:g})" for j in judgements)
-    if figures is None:
-        figures = tuple(figure for judgement in judgements for figure in judgement.figures)
-    return replace(chosen, note=f"{values}; {note}", figures=figures)
 
 
 class Limit(NamedTuple):

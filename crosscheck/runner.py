@@ -14,9 +14,9 @@ from pathlib import Path
 
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check, Laboratory
-from crosscheck.engines.base import Claims
-from crosscheck.engines.pool import TIME_LIMIT, Pool
+from crosscheck.engines.protocol import Claims
 from crosscheck.engines.registry import OWN, engine_class
+from crosscheck.engines.workers.pool import TIME_LIMIT, Pool
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.verdict import Verdict
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.engines.base import Claims, Cost, Run, sample_times, timed
+from crosscheck.engines.protocol import Claims, Cost, Run, sample_times, timed
 from crosscheck.scene import Floats, Method, Scene
 
 

@@ -4,7 +4,7 @@ import os
 
 from hypothesis import settings
 
-from crosscheck.engines.cache import kernel_cache
+from crosscheck.engines.workers.cache import kernel_cache
 
 # numba's own cache can be stale
 os.environ["NUMBA_CACHE_DIR"] = str(kernel_cache())

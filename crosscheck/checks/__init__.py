@@ -1,4 +1,7 @@
-"""Checks: one module per phenomenon, each with a tuple `CHECKS`. A new module is found by being here."""
+"""Checks: a folder per group, a file per phenomenon, each with a tuple `CHECKS`. A new file is found by being there.
+
+A check is called `group/phenomenon`, and lives in the folder of its group.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,9 @@ from crosscheck.checks.base import Check
 
 @cache
 def all_checks() -> tuple[Check, ...]:
-    """Every check of every module of this package, by name."""
+    """Every check of every file of the groups' folders, by name."""
     found: list[Check] = []
-    for module in pkgutil.iter_modules(__path__):
-        if module.name != "base":
-            found += importlib.import_module(f"{__name__}.{module.name}").CHECKS
+    for module in pkgutil.walk_packages(__path__, f"{__name__}."):
+        if not module.ispkg:
+            found += getattr(importlib.import_module(module.name), "CHECKS", ())
     return tuple(sorted(found, key=lambda check: check.name))

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from crosscheck.engines.base import Claims, Cost, Run
-from crosscheck.engines.pool import Pool
+from crosscheck.engines.protocol import Claims, Cost, Run
+from crosscheck.engines.workers.pool import Pool
 from crosscheck.faults import Fault
 from crosscheck.scene import Contact, Method, Scene
 from crosscheck.verdict import Judgement

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.base import Claims, Cost, Run, sample_times, strides, timed
+from crosscheck.engines.protocol import Claims, Cost, Run, sample_times, strides, timed
 from crosscheck.scene import LennardJones, Method, Scene, State
 
 #: `ase.neighborlist.NeighborList` adds this length, whatever the scene's unit of length, to every cutoff.

@@ -7,7 +7,7 @@ import sys
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from crosscheck.engines.base import Engine
+from crosscheck.engines.protocol import Engine
 from crosscheck.errors import UsageError
 
 GROUP = "crosscheck.engines"

@@ -33,7 +33,7 @@ from crosscheck.scene.parts import (
     Well,
 )
 from crosscheck.scene.scene import Scene, State, whole_steps
-from crosscheck.scene.start import explicit
+from crosscheck.scene.starts import explicit
 
 __all__ = [
     "AXES",

@@ -17,6 +17,14 @@ from numpy.typing import NDArray
 from pydantic import ValidationError, model_validator
 
 from crosscheck.errors import UsageError
+from crosscheck.scene.hard_spheres import (
+    check_hard_spheres,
+    check_hard_state,
+    check_rows,
+    refuse_coincidence,
+    refuse_hard_spheres_entries,
+)
+from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
 from crosscheck.scene.parts import (
     AXES,
@@ -42,14 +50,12 @@ from crosscheck.scene.parts import (
     Spring,
     Vector,
 )
-from crosscheck.scene.sites import check_lattice_gas, initial_occupations, initial_sites, wall_rules
-from crosscheck.scene.start import apocentre, lattice_sites, lattice_sites_inside, random_velocities, read_configuration
-from crosscheck.scene.validity import (
-    check_hard_spheres,
-    check_hard_state,
-    check_rows,
-    refuse_coincidence,
-    refuse_hard_spheres_entries,
+from crosscheck.scene.starts import (
+    apocentre,
+    lattice_sites,
+    lattice_sites_inside,
+    random_velocities,
+    read_configuration,
 )
 
 

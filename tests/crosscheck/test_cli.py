@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from crosscheck import cli, runner, terminal
+from crosscheck import cli, commands, runner
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.faults import Fault
@@ -22,7 +22,7 @@ from crosscheck.record import read
 CASE = "stepping/oscillator-exact/velocity_verlet"
 CRASHING = """
 import os
-from crosscheck.engines.base import Claims
+from crosscheck.engines.protocol import Claims
 
 class Engine:
     name = "crashing"
@@ -296,7 +296,7 @@ def only(monkeypatch: pytest.MonkeyPatch, *faults: tuple[str, Fault]) -> None:
     """Leaves one check, with other faults."""
     (check,) = (check for check in all_checks() if check.name == "stepping/oscillator-exact")
     checks = (replace(check, faults=faults),)
-    monkeypatch.setattr(terminal, "all_checks", lambda: checks)
+    monkeypatch.setattr(commands, "all_checks", lambda: checks)
     monkeypatch.setattr(runner, "all_checks", lambda: checks)
 
 

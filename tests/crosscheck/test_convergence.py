@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crosscheck.convergence import extrapolate, worst
-from crosscheck.verdict import order
+from crosscheck.convergence import extrapolate
+from crosscheck.verdict import order, worst
 
 
 def test_even_polynomials_are_extrapolated_exactly() -> None:

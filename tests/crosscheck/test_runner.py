@@ -23,7 +23,7 @@ SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), in
 MORTAL = """
 import os, signal
 import numpy as np
-from crosscheck.engines.base import Claims, Run, sample_times
+from crosscheck.engines.protocol import Claims, Run, sample_times
 
 class Engine:
     name = "mortal"

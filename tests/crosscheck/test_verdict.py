@@ -12,19 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from crosscheck.convergence import worst
-from crosscheck.verdict import (
-    FALSE_ALARM,
-    Figure,
-    Judgement,
-    Series,
-    Verdict,
-    bounded,
-    order,
-    round_off,
-    statistical,
-    within,
-)
+from crosscheck.figure import Figure, Series
+from crosscheck.verdict import FALSE_ALARM, Judgement, Verdict, bounded, order, round_off, statistical, within, worst
 
 finite = st.floats(-1e6, 1e6)
 

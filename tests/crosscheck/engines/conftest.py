@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from crosscheck.engines.pool import Worker
+from crosscheck.engines.workers.pool import Worker
 
 
 @pytest.fixture(scope="module")

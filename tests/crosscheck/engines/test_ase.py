@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pair_sums import evaluate
 
-from crosscheck.engines.pool import Worker
+from crosscheck.engines.workers.pool import Worker
 from crosscheck.scene import Box, Explicit, HardSpheres, LennardJones, Method, Output, Scene, Spring, Wall, explicit
 
 ALL = ("kinetic_energy", "potential_energy", "virial")

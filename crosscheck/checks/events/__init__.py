@@ -1,0 +1,1 @@
+"""Checks of event-driven dynamics of hard disks and spheres."""

@@ -1,0 +1,293 @@
+"""Brownian motion: heavy large particles in a bath of small ones; velocity autocorrelation, friction, speeds.
+
+Units: diameter and mass of the bath's particles and the temperature are 1.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
+from crosscheck.engines.protocol import Run
+from crosscheck.faults import Fault
+from crosscheck.figure import Figure, Series
+from crosscheck.references import hard_spheres as reference
+from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
+from crosscheck.statistics import independent_mean, standard_error
+from crosscheck.verdict import Judgement, statistical, worst
+
+MASS, SIZE = 50.0, 3.0
+
+
+class Bath(NamedTuple):
+    """sites: of the lattice, all but `tracers` of them small particles; number density of the bath; time of a run.
+
+    early: when the initial decay is read off: several collisions of the tracer, and less than the bath needs to come
+    back to it.
+    """
+
+    sites: int
+    tracers: int
+    density: float
+    duration: float
+    early: float
+
+
+BATHS = {"2d": Bath(900, 6, 0.05, 1000.0, 1.0), "3d": Bath(1331, 8, 0.02, 600.0, 1.0)}
+RUNS = 16
+
+
+def brownian(dimension: int, bath: Bath, seed: int, interval: float) -> Scene:
+    """A lattice wide enough for the large particles, which are spread evenly over its sites."""
+    species = np.zeros(bath.sites, dtype=int)
+    species[(np.arange(bath.tracers) * bath.sites) // bath.tracers + bath.sites // (2 * bath.tracers)] = 1
+    return Scene(
+        name=f"brownian-{dimension}d",
+        dimension=dimension,  # type: ignore[arg-type]
+        duration=bath.duration,
+        masses=tuple(np.where(species == 1, MASS, 1.0).tolist()),
+        species=tuple(species.tolist()),
+        hard_spheres=HardSpheres(diameter=(1.0, SIZE)),
+        box=Box(density=bath.density * bath.sites / (bath.sites - bath.tracers)),
+        initial=Lattice(
+            kind="lattice",
+            structure="square" if dimension == 2 else "sc",
+            number=bath.sites,
+            temperature=1.0,
+            seed=seed,
+        ),
+        output=Output(interval=interval, trajectory=True, observables=("collisions",)),
+    )
+
+
+class Theory(NamedTuple):
+    """Enskog's theory of several tracers in a finite bath at rest on the whole.
+
+    gamma: with the bath; between: with the other tracers. share: of the tracers in the total mass. doubt: relative, of
+    the initial decay, from g at contact: 1 % of g - 1 with the bath, and 5 % of g among tracers.
+    """
+
+    gamma: float
+    between: float
+    share: float
+    number: int
+    doubt: float
+
+    @property
+    def variance(self) -> float:
+        """C(0) = (T/M)(1 - M/M_total): the total momentum is zero."""
+        return (1 - self.share / self.number) / MASS
+
+    def autocorrelation(self, time: Floats) -> Floats:
+        """C(t) by modes: the tracers' common velocity drags the bath along, differences do not.
+
+        Momentum spreads over the box at once; the common mode decays with gamma M_total/(bath's mass).
+        """
+        bath = 1 - self.share
+        apart = (self.number - 1) / self.number * np.exp(-(self.gamma + self.between) * time)
+        return np.asarray((apart + bath / self.number * np.exp(-self.gamma * time / bath)) / MASS)
+
+
+def theory(dimension: int, bath: Bath) -> Theory:
+    """gamma of `friction` with g of the mixture at contact, and the tracers' collisions with each other."""
+    small = bath.sites - bath.tracers
+    tracer_density = bath.density * bath.tracers / small
+    mixture = reference.mixture([bath.density, tracer_density], [1.0, SIZE], [1.0, MASS])
+    g = reference.mixture_contact_values(mixture, dimension)
+    gamma = reference.friction(bath.density, (1 + SIZE) / 2, 1.0, MASS, dimension, contact=float(g[0, 1]))
+    # every tracer relaxes to the mean velocity of all of them, itself included: the density is that of all
+    between = reference.friction(tracer_density, SIZE, MASS, MASS, dimension, contact=float(g[1, 1]))
+    share = bath.tracers * MASS / (bath.tracers * MASS + small)
+    return Theory(gamma, between, share, bath.tracers, 0.01 * (float(g[0, 1]) - 1) + 0.05 * between / gamma)
+
+
+class _Decay(NamedTuple):
+    """Lags; (runs, lags): C, and half the mean square of v_x(t) - v_x(0), that is C(0) - C(t) with less noise.
+
+    squares: (runs, 2) means of v^2 and v^4. speeds: of all tracers at all samples.
+    """
+
+    time: Floats
+    correlation: Floats
+    loss: Floats
+    squares: Floats
+    speeds: Floats
+
+
+def _decays(laboratory: Laboratory, dimension: int, bath: Bath, longest: float) -> _Decay:
+    lags = np.arange(round(longest / bath.early) + 1)
+    correlation, loss = np.empty((2, RUNS, lags.size))
+    squares, speeds = np.empty((RUNS, 2)), []
+    for number in range(RUNS):
+        scene = brownian(dimension, bath, laboratory.seed(str(number)), bath.early)
+        v = _tracers(scene, laboratory.run(scene, EVENT_DRIVEN))
+        for lag in lags:
+            start, end = v[: len(v) - lag], v[lag:]
+            correlation[number, lag] = (start * end).mean()
+            loss[number, lag] = 0.5 * ((end - start) ** 2).mean()
+        square = (v**2).sum(axis=-1)
+        squares[number] = square.mean(), (square**2).mean()
+        speeds.append(np.sqrt(square).ravel())
+    return _Decay(lags * bath.early, correlation, loss, squares, np.concatenate(speeds))
+
+
+def _tracers(scene: Scene, run: Run) -> Floats:
+    """Velocities of the large particles, (samples, tracers, d); the first tenth, near the lattice, is left out."""
+    assert run.velocities is not None
+    large = np.array(scene.species) == 1
+    return np.asarray(run.velocities[len(run.time) // 10 :, large])
+
+
+def _judge(laboratory: Laboratory, variant: str) -> Judgement:
+    """Initial decay and equipartition, in space also the decay after 1/gamma; the runs are the independent samples."""
+    dimension, bath = int(variant[0]), BATHS[variant]
+    known = theory(dimension, bath)
+    decay = _decays(laboratory, dimension, bath, 2 / known.gamma)
+    model = known.autocorrelation(decay.time)
+    why = f"standard error over {RUNS} runs"
+
+    first = np.flatnonzero(decay.time >= bath.early)[0]
+    initial, error = independent_mean(decay.loss[:, first] / (known.variance - model[first]))
+    # of the bath's particles that have met the tracer, omega t/2 have met another since, on average; about a third of
+    # those come back to it, with half the momentum
+    back = _bath_rate(dimension, bath) * bath.early / 12
+    judgements = [
+        statistical(
+            "friction from the initial decay, times M",
+            initial * known.gamma * MASS,
+            error * known.gamma * MASS,
+            known.gamma * MASS,
+            float(np.hypot(known.doubt, back)) * known.gamma * MASS,
+            f"{why}, g at contact, and particles that come back",
+            samples=RUNS,
+            needed=0.2,
+            figures=(_decay_figure(dimension, decay, known),),
+        )
+    ]
+    if dimension == 3:
+        judgements.append(_decay_in_space(decay, known, bath, why))
+    judgements += _equipartition(dimension, bath, decay, known, why)
+    return worst(judgements, f"{RUNS} runs of {bath.tracers} tracers, {bath.duration * known.gamma:.1f}/gamma each")
+
+
+def _bath_rate(dimension: int, bath: Bath) -> float:
+    """Collisions of one particle of the bath with others of it."""
+    return reference.collision_rate(reference.packing_fraction(bath.density, dimension), dimension).value
+
+
+def _decay_in_space(decay: _Decay, known: Theory, bath: Bath, why: str) -> Judgement:
+    """1 - C/C(0) after 1/gamma: between Enskog's friction, and that in series with slip on a sphere of that radius.
+
+    1/zeta = 1/zeta_Enskog + 1/(4 pi viscosity s): what a bath that flows along leaves of the friction.
+    """
+    viscosity = reference.enskog_viscosity(reference.packing_fraction(bath.density, 3))
+    slip = 4 * np.pi * viscosity * (1 + SIZE) / 2
+    slower = known._replace(gamma=known.gamma / (1 + known.gamma * MASS / slip))
+    place = int(np.searchsorted(decay.time, 1 / known.gamma))
+    measured, error = independent_mean(decay.loss[:, place] / known.variance)
+    ends = [float(1 - one.autocorrelation(decay.time[place]) / one.variance) for one in (known, slower)]
+    return statistical(
+        f"1 - C/C(0) after {decay.time[place]:g} = 1/gamma",
+        measured,
+        error,
+        sum(ends) / 2,
+        abs(ends[0] - ends[1]) / 2,
+        f"{why}; between Enskog's friction and that in series with slip",
+        samples=RUNS,
+        needed=0.3,
+    )
+
+
+def _equipartition(dimension: int, bath: Bath, decay: _Decay, known: Theory, why: str) -> list[Judgement]:
+    square, square_error = independent_mean(decay.squares[:, 0])
+    # <v^4>/<v^2>^2 of all runs together; its error by leaving out one run at a time
+    total = decay.squares.sum(axis=0)
+    ratio = float(RUNS * total[1] / total[0] ** 2)
+    left = total - decay.squares
+    without = (RUNS - 1) * left[:, 1] / left[:, 0] ** 2
+    ratio_error = float(np.sqrt((RUNS - 1) / RUNS * ((without - without.mean()) ** 2).sum()))
+    freedoms = reference.degrees_of_freedom(bath.sites, dimension, True)
+    return [
+        statistical(
+            "mean square speed of the tracers, times M/d",
+            square * MASS / dimension,
+            square_error * MASS / dimension,
+            known.variance * MASS,
+            0.0,
+            why,
+            samples=RUNS,
+            needed=0.3,
+            figures=(_speed_figure(dimension, decay, known),),
+        ),
+        statistical(
+            "<v^4>/<v^2>^2 of the tracers",
+            ratio,
+            ratio_error,
+            reference.moment_ratio(dimension, freedoms),
+            0.0,
+            f"standard error by leaving out one of {RUNS} runs at a time",
+            samples=RUNS,
+            needed=0.3,
+        ),
+    ]
+
+
+def _decay_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
+    shown = slice(None, None, max(1, decay.time.size // 40))
+    time = decay.time[shown]
+    # C(0) is known: the measured loss has less noise than C
+    c = 1 - decay.loss[:, shown].mean(axis=0) / known.variance
+    error = standard_error(decay.loss[:, shown]) / known.variance
+    return Figure(
+        f"velocity autocorrelation of the heavy particle, {dimension} dimensions", "gamma t", "C(t)/C(0)",
+        series=(
+            Series("measured", (known.gamma * time).tolist(), c.tolist(), error.tolist()),
+            Series("Enskog, finite bath", (known.gamma * time).tolist(),
+                   (known.autocorrelation(time) / known.variance).tolist(), theory=True),
+            Series("exp(-gamma t)", (known.gamma * time).tolist(), np.exp(-known.gamma * time).tolist(), theory=True),
+        ),
+    )  # fmt: skip
+
+
+def _speed_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
+    temperature = known.variance * MASS
+    edges = np.linspace(0, 4 * np.sqrt(known.variance), 33)
+    heights, _ = np.histogram(decay.speeds, edges, density=True)
+    fine = np.linspace(0, edges[-1], 100)
+    theory_curve = reference.maxwell_density(fine, dimension, temperature, MASS)
+    return Figure(
+        f"speeds of the heavy particle, {dimension} dimensions", "v", "probability density",
+        series=(
+            Series("measured", edges.tolist(), heights.tolist(), bins=True),
+            Series("Maxwell, T/M (1 - M/total mass)", fine.tolist(), theory_curve.tolist(), theory=True),
+        ),
+    )  # fmt: skip
+
+
+CHECKS = (
+    Check(
+        name="events/brownian",
+        title="Brownian motion: friction, velocity autocorrelation and speeds of a heavy particle in a bath",
+        equation="C(t) = <v_x(0) v_x(t)> ~ (T/M) exp(-gamma t), Enskog's gamma; <v^2> = d T/M (1 - M/M_total)",
+        criterion="within the standard error over the runs, of g at contact, and of the bath's backflow",
+        citation="Hansen & McDonald, Theory of Simple Liquids; Chapman & Cowling (1970); Uhlenbeck & Ornstein, Phys. "
+        "Rev. 36, 823 (1930)",
+        judge=_judge,
+        variants=fixed(*BATHS),
+        faults=(
+            (
+                "2d",
+                Fault(
+                    "near-contact-of-unequals",
+                    "events/prediction.py",
+                    "return radii[i] + radii[j]",
+                    "return 0.55 * (radii[i] + radii[j]) if radii[i] != radii[j] else radii[i] + radii[j]",
+                    "bath and tracer touch at half their distance",
+                ),
+            ),
+        ),
+        tier="full",
+    ),
+)

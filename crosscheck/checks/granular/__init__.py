@@ -1,0 +1,1 @@
+"""Checks of soft grains, and of hard spheres run as soft ones."""

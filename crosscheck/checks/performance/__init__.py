@@ -1,0 +1,1 @@
+"""Checks of speed, and error against run time."""

@@ -1,0 +1,1 @@
+"""Checks of time-step dynamics: integrators, springs, gravity, Lennard-Jones."""

@@ -1,0 +1,295 @@
+"""What the commands of `cli` do and print."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import sys
+import tempfile
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from crosscheck import runner
+from crosscheck.checks import all_checks
+from crosscheck.checks.base import Check
+from crosscheck.engines.registry import engine_class, engine_names
+from crosscheck.engines.workers.pool import Worker
+from crosscheck.errors import EngineError, EngineMissing, UsageError
+from crosscheck.faults import Fault
+from crosscheck.record import FILE, Line, Record, finished, provenance, read
+from crosscheck.verdict import Verdict
+
+_COLOURS = {
+    "pass": "green",
+    "fail": "bold red",
+    "error": "bold magenta",
+    "inconclusive": "yellow",
+    "skip": "dim",
+}
+
+
+def _console() -> Console:
+    # the table needs its width: a narrow terminal wraps whole lines, which is easier to read than folded names; on a
+    # pipe there is nothing to measure
+    console = Console()
+    return Console(width=max(console.width, 140) if sys.stdout.isatty() else 200)
+
+
+def list_checks(as_json: bool) -> None:
+    """Prints every check with its tier, engines, number of variants and title."""
+    rows = [
+        {
+            "check": check.name,
+            "title": check.title,
+            "tier": check.tier,
+            "engines": list(check.engines),
+            "variants": {e: list(check.variants(e, engine_class(e).schemes)) for e in check.engines},
+            "faults": [fault.name for _, fault in check.faults],
+        }
+        for check in all_checks()
+    ]
+    if as_json:
+        print(json.dumps(rows, indent=2))
+        return
+    table = Table("check", "tier", "engines", "variants", "measures", box=None, pad_edge=False)
+    for check, row in zip(all_checks(), rows, strict=True):
+        variants: dict[str, Any] = row["variants"]  # type: ignore[assignment]
+        count = len({name for names in variants.values() for name in names})
+        table.add_row(check.name, check.tier, " ".join(check.engines), str(count), check.title)
+    _console().print(table)
+
+
+def show(name: str) -> None:
+    """Prints what one check is."""
+    check = runner.find(name)
+    console = _console()
+    console.print(f"[bold]{check.name}[/bold]  ({check.tier})", highlight=False)
+    for label, text in (
+        ("measures", check.title),
+        ("equation", check.equation),
+        ("criterion", check.criterion),
+        ("citation", check.citation),
+        ("engines", ", ".join(check.engines)),
+    ):
+        console.print(f"  {label:<10} {text}", highlight=False, markup=False)
+    for engine in check.engines:
+        variants = check.variants(engine, engine_class(engine).schemes)
+        console.print(f"  {'variants':<10} {engine}: {', '.join(variants)}", highlight=False, markup=False)
+    for variant, fault in check.faults:
+        text = f"  {'fault':<10} {fault.name} (seen by {variant}): {fault.breaks}"
+        console.print(text, highlight=False, markup=False)
+
+
+def engines() -> None:
+    """Prints each engine's version, or why it cannot run."""
+    table = Table("engine", "state", "version or reason", "schemes", box=None, pad_edge=False)
+    for name in engine_names():
+        worker = Worker(name, time_limit=120)
+        try:
+            state, text = "found", worker.version()
+        except (EngineMissing, EngineError) as error:
+            state, text = "missing", str(error).splitlines()[0]
+        finally:
+            worker.close()
+        table.add_row(name, state, text, " ".join(engine_class(name).schemes))
+    _console().print(table)
+
+
+# -- run -------------------------------------------------------------------------------------------
+
+
+class _Display:
+    """A progress bar on a terminal, plain lines on a pipe."""
+
+    def __init__(self, total: int) -> None:
+        self._total, self._done, self._started = total, 0, time.perf_counter()
+        self._running: list[str] = []
+        self._bar: Progress | None = None
+        if sys.stdout.isatty():
+            self._bar = Progress(
+                TextColumn("{task.description}"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TimeRemainingColumn(),
+                transient=True,
+            )
+            self._task = self._bar.add_task("starting", total=total)
+            self._bar.start()
+
+    def started(self, case: runner.Case) -> None:
+        self._running.append(case.name)
+        self._describe()
+
+    def finished(self, verdict: Verdict) -> None:
+        self._done += 1
+        if verdict.check in self._running:
+            self._running.remove(verdict.check)
+        if self._bar:
+            self._bar.advance(self._task)
+            self._describe()
+            return
+        passed = time.perf_counter() - self._started
+        left = passed / self._done * (self._total - self._done)
+        print(
+            f"[{self._done}/{self._total}] {verdict.outcome:<12} {verdict.check} [{verdict.engine}]"
+            f"  {verdict.cost['seconds']:.2f} s, about {left:.0f} s left",
+            flush=True,
+        )
+
+    def _describe(self) -> None:
+        if self._bar:
+            self._bar.update(self._task, description=", ".join(self._running[:2]) or "finishing")
+
+    def close(self) -> None:
+        if self._bar:
+            self._bar.stop()
+
+
+def run(
+    patterns: list[str],
+    tier: str,
+    engine_list: list[str],
+    seed: int,
+    jobs: int | None,
+    out: Path,
+    resume: Path | None,
+    junit: Path | None,
+) -> int:
+    """Runs the selected cases, writes record, report and JUnit XML, prints the table; the exit status."""
+    from crosscheck.report.html import write_report
+    from crosscheck.report.junit import write_junit
+
+    if tier not in ("quick", "full"):
+        raise UsageError(f"--tier {tier}: unknown; take quick or full")
+    cases = runner.select(patterns, tier, engine_list or engine_names())
+    directory = resume or out
+    if resume is not None:
+        before = read(resume)
+        if any(line["provenance"]["seed"] != seed for line in before):
+            raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start anew")
+        done = finished(before)
+        cases = [case for case in cases if (case.name, case.engine) not in done]
+    elif (directory / FILE).exists():
+        # an interrupted run that was not resumed is kept once
+        (directory / FILE).replace(directory / f"previous-{FILE}")
+    record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
+    display = _Display(len(cases))
+    started = time.perf_counter()
+    try:
+        for verdict in runner.run(cases, seed, jobs or len(os.sched_getaffinity(0)), display.started):
+            record.append(verdict)
+            display.finished(verdict)
+    except KeyboardInterrupt:
+        print(f"crosscheck: interrupted; the record has what was finished: --resume {directory}", file=sys.stderr)
+        return 130
+    finally:
+        display.close()
+    lines = read(directory)
+    console = _console()
+    _print_table(console, lines)
+    report_path = write_report(directory)
+    if junit is not None:
+        write_junit(lines, junit)
+    counts = Counter(line["outcome"] for line in lines)
+    summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in _COLOURS if counts[outcome])
+    console.print(
+        f"{summary} in {time.perf_counter() - started:.0f} s; report: {report_path}", highlight=False, soft_wrap=True
+    )
+    return 1 if counts["fail"] or counts["error"] else 0
+
+
+def _print_table(console: Console, lines: list[Line]) -> None:
+    table = Table(box=None, pad_edge=False)
+    for title in ("check", "engine"):
+        table.add_column(title, overflow="fold")
+    for title in ("measured +- u", "expected", "deviation", "sensitivity", "cost"):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    order = {outcome: rank for rank, outcome in enumerate(("pass", "skip", "inconclusive", "error", "fail"))}
+    for line in sorted(lines, key=lambda item: (order[item["outcome"]], item["check"], item["engine"])):
+        unit = {"sigma": "sigma", "tolerance": "tol"}.get(line["deviation_unit"] or "", "")
+        deviation = "" if line["deviation"] is None else f"{line['deviation']:.2g} {unit}"
+        u = "" if line["uncertainty"] is None else f" +- {line['uncertainty']:.1g}"
+        measured = "" if line["measured"] is None else f"{line['measured']:.5g}{u}"
+        outcome = line["outcome"]
+        table.add_row(
+            line["check"],
+            line["engine"],
+            measured,
+            "" if line["expected"] is None else f"{line['expected']:.5g}",
+            deviation,
+            "" if line["sensitivity"] is None else f"{line['sensitivity']:.1e}",
+            f"{line['cost']['seconds']:.2f} s",
+            f"[{_COLOURS[outcome]}]{outcome}[/]",
+        )
+    console.print(table)
+    reasons = Counter(line["message"] for line in lines if line["outcome"] == "skip")
+    for reason, count in reasons.items():
+        console.print(f"skipped {count}: {reason}", style="dim", highlight=False, markup=False, soft_wrap=True)
+    for line in lines:
+        if line["outcome"] in ("fail", "error"):
+            text = f"{line['check']} [{line['engine']}]: {line['message'] or line['note'] or line['quantity']}"
+            console.print(text, style=_COLOURS[line["outcome"]], highlight=False, markup=False, soft_wrap=True)
+
+
+def report(directory: Path) -> None:
+    """Writes the report of a finished or interrupted run."""
+    from crosscheck.report.html import write_report
+
+    print(write_report(directory))
+
+
+def simulate(scene: Path, engine_list: list[str], out: Path) -> None:
+    """Runs a scene and prints the paths of what was written."""
+    from crosscheck.simulate.run import simulate as simulate_scene
+
+    for path in simulate_scene(scene, engine_list, out):
+        print(path)
+
+
+# -- prove -----------------------------------------------------------------------------------------
+
+
+def prove(patterns: list[str], jobs: int | None, seed: int) -> int:
+    """Runs every planted fault; prints one line each; 0 if all turn their check red, 1 otherwise."""
+    planted = [
+        (check, variant, fault)
+        for check in all_checks()
+        for variant, fault in check.faults
+        if not patterns
+        or any(fnmatchcase(check.name, p) or fnmatchcase(f"{check.name}/{variant}", p) for p in patterns)
+    ]
+    if not planted:
+        raise UsageError(f"no check matches {' '.join(patterns)}; see `crosscheck list`")
+    blind = 0
+    with ThreadPoolExecutor(jobs or len(os.sched_getaffinity(0))) as pool:
+        results = pool.map(lambda item: _prove_one(*item, seed=seed), planted)
+        for (check, variant, fault), verdict in zip(planted, results, strict=True):
+            red = verdict.outcome == "fail"
+            blind += not red
+            state = "red" if red else f"NOT RED ({verdict.outcome})"
+            print(f"{state:<16} {check.name}/{variant}  {fault.name}: {fault.breaks}", flush=True)
+            if verdict.message:
+                print(f"    {verdict.message}")
+    runner.close_pools()
+    print(f"{len(planted) - blind} of {len(planted)} planted faults turned their check red")
+    return 1 if blind else 0
+
+
+def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int) -> Verdict:
+    with tempfile.TemporaryDirectory(prefix="crosscheck-fault-") as directory:
+        overlay = Path(directory)
+        fault.apply(overlay)
+        case = runner.Case(check.name, variant, "refimpl", check.timing)
+        verdict = runner.judge(case, seed, overlay)
+    return replace(verdict, cost={})

@@ -1,0 +1,335 @@
+"""Hard spheres in LAMMPS: soft grains of its GRANULAR package, with the contact laws of `soft_spheres`.
+
+Pairs of grains of one mass go by the classic styles, which are the fastest: `gran/hooke`, and with tangential springs
+`gran/hooke/history`. Their dashpots are m_eff gamma, so gamma = c sqrt(k/m_eff). Unlike masses and "hertz" go by
+`pair_style granular` with `damping coeff_restitution`, which is eta_n = c sqrt(m_eff k) of every pair.
+
+Walls are granular ones throughout: the classic `hooke/history` wall of LAMMPS 22Jul2025 multiplies k_t by the radius of
+the contact, and yields NaN without normal damping. At a plane, the tangential springs of both kinds are the same.
+
+The laws take the velocities of the half-step: the scheme is of first order in dt with dashpots or friction.
+
+Literature: L. E. Silbert et al., Phys. Rev. E 64, 051302 (2001), and the manual's pages of these styles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crosscheck.engines import soft_spheres
+from crosscheck.engines.lammps.instance import FEW, Atoms, advance, box, pair_virial
+from crosscheck.engines.protocol import Run, strides, tally_shapes
+from crosscheck.engines.soft_spheres import Law, SoftSpheres
+from crosscheck.scene import AXES, Contact, Cylinder, Face, Method, Oscillation, Scene, State
+
+#: Stands for no limit of friction: LAMMPS's largest coefficient of friction.
+_MOST_FRICTION = 1e4
+#: LAMMPS has a tangential dashpot as a multiple of the normal one: for it, an elastic contact loses the last digit.
+_NEARLY_ELASTIC = math.nextafter(1.0, 0.0)
+#: Skin of the neighbour list in largest diameters: among the fastest of 0.03 to 0.5, for steps of t_c/50 and t_c/5.
+_SKIN = 0.1
+#: I/(m R^2) in LAMMPS's rotational energy, whatever `fix nve/sphere` integrates.
+_INERTIA = 0.4
+#: sin(phase) up to which a phase is 0 or pi: pi is not a number of the computer.
+_ROUNDING = 1e-15
+
+
+def unsupported(scene: Scene, method: Method) -> str | None:
+    """None, or the reason why LAMMPS cannot run this scene of hard spheres."""
+    reason = soft_spheres.unsupported(scene, method)
+    if reason is not None:
+        return reason
+    assert method.contact is not None
+    inertia = soft_spheres.inertia_ratio(scene)
+    if scene.spin_dimension and inertia != _INERTIA and (scene.dimension, inertia) != (2, 0.5):
+        return f"fix nve/sphere turns spheres (q = 2/5) and, in the plane, disks (q = 1/2), not q = {inertia:g}"
+    if "potential_energy" in scene.output.observables:
+        return "the granular styles of LAMMPS have no energy of contacts: no potential_energy"
+    if method.contact.law == "hertz" and scene.across:
+        return 'contact.law = "hertz": at a cylinder, R_eff of LAMMPS contains the curvature of the wall'
+    return None
+
+
+def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
+    """Runs a scene that `unsupported` accepts, in a new LAMMPS instance."""
+    contact = method.contact
+    assert contact is not None
+    laws = soft_spheres.soft_spheres(scene, contact)
+    grains = _Grains(lmp, scene, scene.initial_state())
+    _, every = strides(scene, method)
+    lmp.commands_list(
+        [
+            *_pairs(scene, laws.pair, contact, grains.state),
+            *_motion(scene),
+            *_walls(scene, laws, method),
+            *(["fix plane all enforce2d"] if scene.dimension == 2 else []),
+            *_records(scene, every),
+        ]
+    )
+    run, good = advance(lmp, grains, scene, method)
+    _read(lammps, lmp, scene, run, good, method.step, every)
+    return run
+
+
+class _Grains(Atoms):
+    """The grains of a scene, in a box that reaches a diameter beyond its walls."""
+
+    def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
+        assert state.diameters is not None
+        super().__init__(lmp, scene, state)
+        styles, edges = ["p"] * 3, [(-0.5, 0.5)] * 3
+        margin = float(state.diameters.max())
+        for axis, boundary in enumerate(scene.boundaries):
+            length = 0.0 if state.lengths is None else float(state.lengths[axis])
+            if boundary == "periodic":
+                edges[axis] = (0.0, length)
+                continue
+            x = state.positions[:, axis]
+            faces = scene.faces[2 * axis : 2 * axis + 2]
+            beyond = [margin + (0.0 if face is None else _amplitude(face)) for face in faces]
+            walled = [face is not None or axis in scene.across for face in faces]
+            lower = 0.0 if walled[0] else float(x.min())
+            upper = length if walled[1] else float(x.max())
+            edges[axis] = (lower - beyond[0], upper + beyond[1])
+            styles[axis] = "".join("f" if wall else "s" for wall in walled)
+        few_in_the_open = any("s" in style for style in styles) and scene.number <= FEW
+        lmp.commands_list(
+            [
+                "units lj",
+                "newton off",  # the faster, by some percent: no forces are sent back from ghosts
+                "atom_style sphere",
+                *box(scene.dimension, styles, edges, 1, sort=not few_in_the_open),
+                "comm_modify vel yes",
+                f"neighbor {_SKIN * margin!r} {'nsq' if few_in_the_open else 'bin'}",
+                "neigh_modify delay 0 every 1 check yes",
+            ]
+        )
+        self.create([1] * scene.number, self.wrapped)
+        self.assign("radius", state.diameters / 2)
+        self.assign("rmass", state.masses)
+        if state.angular_velocities is not None:
+            spins = np.zeros((scene.number, 3))
+            spins[:, 3 - scene.spin_dimension :] = state.angular_velocities
+            self.assign("omega", spins)
+
+
+def _amplitude(face: Face) -> float:
+    return 0.0 if face.oscillation is None else face.oscillation.amplitude
+
+
+def _pairs(scene: Scene, law: Law, contact: Contact, state: State) -> Iterator[str]:
+    assert scene.hard_spheres is not None
+    mass = float(state.masses[0])
+    if contact.law == "hertz" or (state.masses != mass).any():
+        yield "pair_style granular"
+        yield f"pair_coeff * * {_granular(law, contact, scene.hard_spheres.restitution)}"
+        return
+    rate = math.sqrt(law.stiffness / (mass / 2))
+    numbers = (
+        law.stiffness,
+        law.tangential_stiffness,
+        law.damping * rate,
+        law.tangential_damping * rate,
+        min(law.friction, _MOST_FRICTION),
+    )
+    style = "gran/hooke/history" if law.tangential_stiffness and law.friction else "gran/hooke"
+    yield f"pair_style {style} {' '.join(repr(float(number)) for number in numbers)} 1"
+    yield "pair_coeff * *"
+
+
+def _granular(law: Law, contact: Contact, restitution: float) -> str:
+    """The law in the words of `pair_style granular` and `fix wall/gran granular`."""
+    limit, damping = min(law.friction, _MOST_FRICTION), law.damping
+    if law.tangential_damping and not damping:
+        restitution, damping = _NEARLY_ELASTIC, -2 * math.log(_NEARLY_ELASTIC) / math.pi
+    share = law.tangential_damping / damping if law.tangential_damping else 0.0
+    if law.tangential_stiffness and law.friction:
+        tangential = f"linear_history {law.tangential_stiffness!r} {share!r} {limit!r}"
+    else:
+        tangential = f"linear_nohistory {share!r} {limit!r}"
+    return f"{contact.law} {law.stiffness!r} {restitution!r} damping coeff_restitution tangential {tangential}"
+
+
+def _motion(scene: Scene) -> Iterator[str]:
+    disks = scene.dimension == 2 and soft_spheres.inertia_ratio(scene) == 0.5
+    yield f"fix integrate all {'nve/sphere' + ' disc' * disks if scene.spin_dimension else 'nve'}"
+    if scene.acceleration is not None and any(scene.acceleration):
+        field = [*scene.acceleration, 0.0][:3]
+        yield f"fix field all gravity {math.hypot(*field)!r} vector {' '.join(map(repr, field))}"
+
+
+def _walls(scene: Scene, laws: SoftSpheres, method: Method) -> Iterator[str]:
+    contact, lengths = method.contact, scene.lengths()
+    assert contact is not None
+    # the forces on every grain are kept
+    keep = " contacts" if {"wall_impulse", "wall_torque"} & set(scene.output.observables) else ""
+    for index, (face, law) in enumerate(zip(scene.faces, laws.faces, strict=True)):
+        if face is None or law is None:
+            continue
+        assert lengths is not None
+        axis, upper = divmod(index, 2)
+        place, style = float(lengths[axis]) if upper else 0.0, "wall/gran"
+        if face.oscillation is None:
+            wall = _plane(axis, upper, place)
+        elif abs(math.sin(face.oscillation.phase)) <= _ROUNDING:
+            wall = _wiggled(axis, upper, place, face.oscillation)
+        else:
+            yield from _shaken(index, place, face.oscillation, method.step)
+            style, wall = "wall/gran/region", f"region plane{index}"
+        granular = _granular(law, contact, face.restitution)
+        yield f"fix face{index} all {style} granular {granular} {wall}{keep}"
+    if laws.cylinder is not None:
+        assert scene.box is not None
+        assert scene.box.cylinder is not None
+        yield from _drum(scene, scene.box.cylinder, method.step)
+        granular = _granular(laws.cylinder, contact, scene.box.cylinder.restitution)
+        yield f"fix face{len(scene.faces)} all wall/gran/region granular {granular} region drum{keep}"
+
+
+def _plane(axis: int, upper: int, place: float) -> str:
+    return f"{AXES[axis]}plane {f'NULL {place!r}' if upper else f'{place!r} NULL'}"
+
+
+def _wiggled(axis: int, upper: int, place: float, oscillation: Oscillation) -> str:
+    """A plane at place + a cos(omega t), a > 0 into the box for phase 0: LAMMPS has lo + A - A cos(omega t)."""
+    a = (-1) ** upper * oscillation.amplitude * math.copysign(1.0, math.cos(oscillation.phase))
+    period = 2 * math.pi / oscillation.frequency
+    return f"{_plane(axis, upper, place + a)} wiggle {AXES[axis]} {-a!r} {period!r}"
+
+
+def _shaken(index: int, place: float, oscillation: Oscillation, dt: float) -> Iterator[str]:
+    """The same for any phase: a moving region, whose velocity is its mean over the step (and 0 at the start)."""
+    axis, upper = divmod(index, 2)
+    point, normal, motion = ["0.0"] * 3, ["0.0"] * 3, ["NULL"] * 3
+    point[axis], normal[axis], motion[axis] = repr(place), repr((-1.0) ** upper), f"v_shift{index}"
+    a = (-1) ** upper * oscillation.amplitude
+    yield f"variable shift{index} equal {a!r}*cos({oscillation.frequency * dt!r}*step+{oscillation.phase % math.tau!r})"
+    yield f"region plane{index} plane {' '.join(point)} {' '.join(normal)} side in move {' '.join(motion)} units box"
+
+
+def _drum(scene: Scene, cylinder: Cylinder, dt: float) -> Iterator[str]:
+    """The region inside of the cylinder, which turns from the first axis across it to the second."""
+    middle, axis = _middle(scene), AXES.index(cylinder.axis or "z")
+    across = " ".join(repr(middle[i]) for i in scene.across)
+    turn = ""
+    if cylinder.angular_velocity != 0:
+        # x to z, across y, is the left-handed sense
+        yield f"variable turn equal {(-1 if axis == 1 else 1) * cylinder.angular_velocity * dt!r}*step"
+        turn = f" rotate v_turn {' '.join(map(repr, middle))} {' '.join('1' if i == axis else '0' for i in range(3))}"
+    yield f"region drum cylinder {AXES[axis]} {across} {cylinder.radius!r} INF INF side in{turn} units box"
+
+
+def _middle(scene: Scene) -> list[float]:
+    """Of the box, three coordinates."""
+    lengths = scene.lengths()
+    assert lengths is not None
+    return [*(0.5 * lengths).tolist(), 0.0][:3]
+
+
+class _Rate(NamedTuple):
+    """A variable of LAMMPS whose integral over time, times `sign`, is a flat element of an observable."""
+
+    observable: str
+    element: int
+    sign: float
+    variable: str
+
+
+def _energies(scene: Scene) -> list[str]:
+    return [name for name in ("kinetic_energy", "rotational_energy") if name in scene.output.observables]
+
+
+def _rates(scene: Scene) -> list[_Rate]:
+    asked, d = scene.output.observables, scene.dimension
+    rates = [
+        _Rate("collisional_virial", 0, 1.0, "virial"),
+        _Rate("contact_time", 0, 1.0, "touching"),
+        # of the force on the grains: the faces get the opposite
+        *(_Rate("wall_impulse", d * w + i, -1.0, f"push{w}{AXES[i]}") for w in _present(scene) for i in range(d)),
+        _Rate("wall_torque", 0, 1.0, "torque"),
+    ]
+    return [rate for rate in rates if rate.observable in asked]
+
+
+def _present(scene: Scene) -> list[int]:
+    """Places of the walls in `face_names`."""
+    there = [face is not None for face in scene.faces] + [True] * (len(scene.across) > 0)
+    return [index for index, wall in enumerate(there) if wall]
+
+
+def _records(scene: Scene, every: int) -> Iterator[str]:
+    """Commands that record the observables inside LAMMPS, without a call to Python per sample.
+
+    Integrals over time go by the trapezoidal rule over all steps, with which velocity Verlet changes momentum and
+    angular momentum exactly: here are the sums over the steps from one sample to the next, and the rates at both.
+    """
+    energies, rates = _energies(scene), _rates(scene)
+    asked = scene.output.observables
+    if energies:
+        rotation = ""
+        if scene.spin_dimension:
+            yield "compute rotation all erotate/sphere"
+            rotation = f"{soft_spheres.inertia_ratio(scene) / _INERTIA!r}*c_rotation"
+            yield f"variable rotational_energy equal {rotation}"
+        yield "compute translation all ke"
+        yield f"variable kinetic_energy equal c_translation{rotation and '+' + rotation}"
+    if "collisional_virial" in asked:
+        yield from pair_virial(scene.dimension)
+    if "contact_time" in asked:
+        yield "compute contacts all contact/atom"
+        yield "compute touched all reduce sum c_contacts"
+        yield "variable touching equal 0.5*c_touched"  # both grains of a pair count it
+    if "wall_impulse" in asked:
+        for wall in _present(scene):
+            yield f"compute push{wall} all reduce sum f_face{wall}[2] f_face{wall}[3] f_face{wall}[4]"
+            for i, axis in enumerate(AXES[: scene.dimension], 1):
+                yield f"variable push{wall}{axis} equal c_push{wall}[{i}]"
+    if "wall_torque" in asked:
+        yield from _torque(scene)
+    # all of them variables: a mixture with computes is neither intensive nor extensive, which `fix vector` refuses
+    changing = [f"v_{rate.variable}" for rate in rates]
+    columns = [f"v_{name}" for name in energies] + changing
+    if rates:
+        yield f"fix sums all ave/time 1 {every} {every} {' '.join(changing)}"
+        columns += ["f_sums"] if len(rates) == 1 else [f"f_sums[{i + 1}]" for i in range(len(rates))]
+    if columns:
+        yield f"fix samples all vector {every} {' '.join(columns)}"
+
+
+def _torque(scene: Scene) -> Iterator[str]:
+    """The torque of the cylinder about its axis; the wall acts on a grain at its radius from its centre."""
+    drum, middle = len(scene.faces), _middle(scene)
+    first, second = scene.across
+    x, y = (f"({AXES[axis]}-{middle[axis]!r})" for axis in (first, second))
+    yield f"variable off atom sqrt({x}^2+{y}^2)"
+    yield "variable arm atom 1+radius/(v_off+(v_off==0))"
+    yield f"variable twist atom v_arm*({x}*f_face{drum}[{second + 2}]-{y}*f_face{drum}[{first + 2}])"
+    yield "compute torque all reduce sum v_twist"
+    yield "variable torque equal c_torque"
+
+
+def _read(lammps: Any, lmp: Any, scene: Scene, run: Run, good: int, dt: float, every: int) -> None:
+    """Fills in the observables, up to the sample `good`."""
+    energies, rates = _energies(scene), _rates(scene)
+    table = np.full((run.time.size, len(energies) + 2 * len(rates)), np.nan)
+    width = table.shape[1]
+    style = lammps.LMP_TYPE_VECTOR if width == 1 else lammps.LMP_TYPE_ARRAY
+    for i, j in np.ndindex(good, width):
+        table[i, j] = lmp.extract_fix("samples", lammps.LMP_STYLE_GLOBAL, style, i, j)
+    run.tallies = {name: np.zeros(shape) for name, shape in tally_shapes(scene, run.time.size).items()}
+    for column, name in enumerate(energies):
+        if name == "kinetic_energy":
+            run.kinetic_energy = table[:, column]
+        else:
+            run.tallies[name] = table[:, column]
+    now, mean = np.split(table[:, len(energies) :], 2, axis=1)
+    parts = dt * (every * mean[1:] + (now[:-1] - now[1:]) / 2)
+    for column, rate in enumerate(rates):
+        values = run.tallies[rate.observable].reshape(run.time.size, -1)
+        values[1:, rate.element] = rate.sign * np.cumsum(parts[:, column])
+    for values in run.tallies.values():
+        values[good:] = np.nan

@@ -1,0 +1,5 @@
+"""The reference implementations as an engine."""
+
+from crosscheck.engines.refimpl.engine import RefimplEngine
+
+__all__ = ["RefimplEngine"]

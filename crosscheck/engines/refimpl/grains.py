@@ -1,0 +1,132 @@
+"""Scenes of hard spheres as soft grains, for the step loop of `refimpl.stepping`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from crosscheck.engines.protocol import Cost, Run, face_names, sample_times, tally_shapes
+from crosscheck.engines.refimpl.stepping import integrated
+from crosscheck.engines.soft_spheres import Law, inertia_ratio, soft_spheres
+from crosscheck.scene import AXES, Floats, Method, Scene, State
+from refimpl.stepping.forces import grains as soft
+from refimpl.stepping.integrate import Integration
+
+
+def run_grains(scene: Scene, method: Method) -> Run:
+    """Runs a scene of hard spheres with the contact of `method`."""
+    state, output = scene.initial_state(), scene.output
+    force = soft_grains(scene, state, method)
+    r, v = soft.coordinates(force, state.positions, state.velocities, state.angular_velocities)
+    whole = output.trajectory or "rotational_energy" in output.observables
+    done, cost = integrated(
+        scene,
+        method,
+        force,
+        r,
+        v,
+        trajectory=whole or force.tallied,
+        thermo=bool({"kinetic_energy", "potential_energy"} & set(output.observables)),
+        last=None if whole else force.auxiliary,
+    )
+    return _run(scene, force, sample_times(scene, method), done, cost)
+
+
+def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
+    """The grains of `refimpl` for a scene and the method's contact."""
+    contact = method.contact
+    assert contact is not None
+    assert state.diameters is not None
+    laws, friction = soft_spheres(scene, contact), scene.spin_dimension > 0
+    walls = []
+    for index, (face, law) in enumerate(zip(scene.faces, laws.faces, strict=True)):
+        if face is None or law is None:
+            continue
+        axis, upper = divmod(index, 2)
+        assert state.lengths is not None
+        place = float(state.lengths[axis]) if upper else 0.0
+        moves = face.oscillation
+        motion = (0.0, 0.0, 0.0) if moves is None else (moves.amplitude, moves.frequency, moves.phase)
+        walls.append(soft.Plane(axis, -1 if upper else 1, place, soft.Law(*law), *motion))
+    return soft.grains(
+        radii=state.diameters / 2,
+        masses=state.masses,
+        lengths=[1.0] * scene.dimension if state.lengths is None else state.lengths.tolist(),
+        periodic=[boundary == "periodic" for boundary in scene.boundaries],
+        law=soft.Law(*laws.pair),
+        inertia=inertia_ratio(scene) if friction else None,
+        gravity=scene.acceleration,
+        walls=walls,
+        cylinder=_cylinder(scene, state, laws.cylinder),
+        hertz=contact.law == "hertz",
+        history=contact.friction == "history",
+        # as LAMMPS has it, whose styles for one mass and for several differ in the arms of the torques
+        granular=bool((state.masses != state.masses[0]).any()),
+        tallies=bool(
+            {"collisional_virial", "contact_time", "wall_impulse", "wall_torque"} & {*scene.output.observables}
+        ),
+    )
+
+
+def _cylinder(scene: Scene, state: State, law: Law | None) -> soft.Cylinder | None:
+    cylinder = None if scene.box is None else scene.box.cylinder
+    if cylinder is None or law is None:
+        return None
+    assert state.lengths is not None
+    first, second = (float(length) / 2 for length in state.lengths[list(scene.across)])
+    axis = 2 if cylinder.axis is None else AXES.index(cylinder.axis)
+    return soft.Cylinder(cylinder.radius, (first, second), soft.Law(*law), axis, cylinder.angular_velocity)
+
+
+def _run(scene: Scene, force: soft.Grains, times: Floats, done: Integration, cost: Cost) -> Run:
+    """Arrays of the flat coordinates, by name."""
+    number, d, spin = scene.number, scene.dimension, scene.spin_dimension
+    asked = set(scene.output.observables)
+
+    def places(flat: Floats) -> Floats:
+        return flat[..., : number * d].reshape(*flat.shape[:-1], number, d)
+
+    def turns(flat: Floats) -> Floats:
+        return flat[..., number * d : number * (d + spin)].reshape(*flat.shape[:-1], number, spin)
+
+    run = Run(times, places(done.r), places(done.v), diverged=done.diverged, cost=cost)
+    if spin:
+        run.final_angular_velocities = turns(done.v)
+    if scene.output.trajectory:
+        assert done.positions is not None
+        assert done.velocities is not None
+        run.positions, run.velocities = places(done.positions), places(done.velocities)
+        if spin:
+            run.angular_velocities = turns(done.velocities)
+    if done.thermo is not None:
+        for column, name in enumerate(("kinetic_energy", "potential_energy")):
+            if name in asked:
+                setattr(run, name, done.thermo[:, column])
+    if "rotational_energy" in asked:
+        assert done.velocities is not None
+        inertias: Any = 1.0 if force.inverse_inertias is None else 1 / force.inverse_inertias[:, None]
+        run.tallies["rotational_energy"] = (0.5 * inertias * turns(done.velocities) ** 2).sum(axis=(1, 2))
+    if force.tallied:
+        assert done.velocities is not None
+        run.tallies |= _tallied(scene, force, done.velocities[:, -force.auxiliary :], asked)
+    return run
+
+
+def _tallied(scene: Scene, force: soft.Grains, integrals: Floats, asked: set[Any]) -> dict[str, Floats]:
+    """The tallies asked for, out of the integrals that follow the clock's."""
+    d, walls = scene.dimension, len(force.walls)
+    faces = list(face_names(scene))
+    on_walls = integrals[:, 3 : 3 + (walls + 1) * d].reshape(-1, walls + 1, d)
+    impulses = np.zeros((len(integrals), len(faces), d))
+    held = [index for index, face in enumerate(scene.faces) if face is not None]
+    impulses[:, held] = on_walls[:, :walls]
+    if scene.across:
+        impulses[:, -1] = on_walls[:, walls]
+    found = {
+        "contact_time": integrals[:, 1],
+        "collisional_virial": integrals[:, 2],
+        "wall_impulse": impulses,
+        "wall_torque": integrals[:, -1],
+    }
+    return {name: found[name] for name in tally_shapes(scene, len(integrals)) if name in found}

@@ -1,0 +1,116 @@
+"""Lattice gases of `refimpl.lattice`, and their Boltzmann equation, behind the engine of `refimpl`."""
+
+from __future__ import annotations
+
+import time
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from crosscheck.engines.protocol import Cost, Run, gas_tally_shapes, timed
+from crosscheck.engines.workers.cache import one_at_a_time
+from crosscheck.scene import Floats, Occupations, Scene
+from crosscheck.scene.lattice_gas import gas_model
+
+BOLTZMANN = "lattice_boltzmann"
+#: What only particles have, and what only mean occupations have.
+_OF_PARTICLES, _OF_MEANS = ("sites", "force_impulse"), ("h_function",)
+
+
+def unsupported(scene: Scene, scheme: str) -> str | None:
+    """Why this scheme cannot run the scene, or None."""
+    absent = _OF_PARTICLES if scheme == BOLTZMANN else _OF_MEANS
+    asked = [name for name in scene.output.observables if name in absent]
+    if asked:
+        moves = "mean occupations" if scheme == BOLTZMANN else "particles"
+        return f"'{scheme}' moves {moves}, which have no {' and no '.join(asked)}"
+    assert scene.lattice_gas is not None
+    assert isinstance(scene.initial, Occupations)
+    if scheme == BOLTZMANN and scene.lattice_gas.reversals is not None:
+        return f"'{BOLTZMANN}' is irreversible: remove lattice_gas.reversals"
+    if scheme == BOLTZMANN and scene.initial.cells is not None:
+        return f"'{BOLTZMANN}' moves mean occupations: remove initial.cells, which counts particles"
+    return None
+
+
+def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
+    """The scene from its initial state; `evolver` names the class in `refimpl.lattice`."""
+    module, name = evolver.split(".")
+    kind = getattr(import_module(f"refimpl.lattice.{module}"), name)
+    gas = _prepared(scene, scheme, kind)
+    cost = Cost()
+    started = time.perf_counter()
+    with one_at_a_time(f"{scheme} {_features(scene)}"):
+        gas.advance(0)  # compiles, or loads from the cache
+        _tallied(scene, gas, set(scene.output.observables))
+    cost.compile = time.perf_counter() - started
+
+    times = scene.samples()
+    names: list[str] = [name for name in scene.output.observables if name != "sites"]
+    shapes = gas_tally_shapes(scene, times.size)
+    tallies = {name: np.zeros(shapes[name]) for name in names}
+    reversals = list(scene.lattice_gas.reversals or ()) if scene.lattice_gas else []
+    for sample, moment in enumerate(times):
+        with timed(cost):
+            _advance(gas, int(moment), reversals)
+        for name, value in _tallied(scene, gas, set(names)).items():
+            tallies[name][sample] = value
+    with timed(cost):
+        _advance(gas, int(scene.duration), reversals)
+    if "sites" in scene.output.observables:
+        tallies["sites"] = gas.sites
+    cost.steps = int(scene.duration)
+    nobody = np.zeros((0, 2))
+    return Run(time=times, final_positions=nobody, final_velocities=nobody, tallies=tallies, cost=cost)
+
+
+def _prepared(scene: Scene, scheme: str, kind: Any) -> Any:
+    """The gas in its initial state."""
+    from refimpl.lattice.gas import Forcing
+
+    gas, initial, model = scene.lattice_gas, scene.initial, gas_model(scene)
+    assert gas is not None
+    assert isinstance(initial, Occupations)
+    forcing = None
+    if gas.force is not None:
+        channel = 0 if gas.force >= 0 else model.velocities.image(-1, 1)[0]
+        forcing = Forcing(channel, abs(gas.force))
+    walls = scene.wall_rules()
+    if scheme == BOLTZMANN:
+        return kind(model, scene.initial_occupations(), walls=walls, forcing=forcing)
+    seed = initial.seed if scene.seed is None else scene.seed
+    return kind(model, scene.initial_sites(), seed=seed, walls=walls, forcing=forcing)
+
+
+def _features(scene: Scene) -> str:
+    """What decides which kernel is compiled."""
+    gas = scene.lattice_gas
+    assert gas is not None
+    drawn = any(obstacle.rule.startswith("diffusive") for obstacle in gas.obstacles)
+    return f"{gas.model} {bool(gas.obstacles)} {drawn} {gas.force is not None}"
+
+
+def _advance(gas: Any, moment: int, reversals: list[int]) -> None:
+    """To this time; reversals on the way are done and taken off the list."""
+    while reversals and reversals[0] <= moment:
+        gas.advance(reversals[0] - gas.time)
+        gas.reverse()
+        reversals.pop(0)
+    gas.advance(moment - gas.time)
+
+
+def _tallied(scene: Scene, gas: Any, wanted: set[str]) -> dict[str, Floats]:
+    """What is recorded of the gas now."""
+    found: dict[str, Any] = {}
+    if "populations" in wanted:
+        across, down = scene.output.fields or (1, 1)
+        found["populations"] = gas.populations(down, across).transpose(1, 0, 2)
+    if "force_impulse" in wanted:
+        assert scene.lattice_gas is not None
+        assert scene.lattice_gas.force is not None
+        # a particle that is turned from -x to +x takes up twice its momentum
+        found["force_impulse"] = gas.impulses * 2 * np.copysign(1.0, scene.lattice_gas.force)
+    if "h_function" in wanted:
+        found["h_function"] = gas.h_function
+    return found

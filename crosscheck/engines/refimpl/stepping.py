@@ -1,0 +1,123 @@
+"""Scenes of springs, gravity and Lennard-Jones for the step loop of `refimpl.stepping`."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crosscheck.engines.protocol import Cost, Run, sample_times, timed
+from crosscheck.engines.workers.cache import one_at_a_time
+from crosscheck.scene import Floats, Method, Scene, State
+from refimpl.stepping.schemes import SCHEMES
+
+if TYPE_CHECKING:
+    from refimpl.stepping.integrate import Integration
+
+
+def integrated(
+    scene: Scene,
+    method: Method,
+    force: Any,
+    r: Floats,
+    v: Floats,
+    *,
+    trajectory: bool,
+    thermo: bool,
+    last: int | None = None,
+) -> tuple[Integration, Cost]:
+    """The step loop over the scene's duration, compiled apart; arguments as of `refimpl.stepping.integrate`."""
+    from numba import typeof
+
+    from refimpl.stepping.integrate import compile_steps, integrate
+
+    dt, cost = method.step, Cost()
+    steps, every = scene.steps(dt), scene.every(dt)
+    started = time.perf_counter()
+    forces_type = str(typeof(force))
+    with one_at_a_time(forces_type):
+        integrate(method.scheme, force, r, v, dt, 0, thermo=thermo)  # compiles the forces
+    if steps:
+        with one_at_a_time(f"{type(SCHEMES[method.scheme].record).__name__} {thermo} {forces_type}"):
+            compile_steps(method.scheme, force, r, v, dt, thermo=thermo)
+    cost.compile = time.perf_counter() - started
+
+    with timed(cost):
+        done = integrate(
+            method.scheme, force, r, v, dt, steps, every=every, trajectory=trajectory, last=last, thermo=thermo
+        )
+    cost.steps, cost.evaluations = done.steps, done.evaluations
+    return done, cost
+
+
+def run_steps(scene: Scene, method: Method) -> Run:
+    from refimpl.stepping.integrate import acceleration
+
+    state, output = scene.initial_state(), scene.output
+    r, v = state.positions.ravel(), state.velocities.ravel()
+    done, cost = integrated(
+        scene,
+        method,
+        force_record(scene, state),
+        r,
+        v,
+        trajectory=output.trajectory,
+        thermo=bool(output.observables),
+    )
+
+    def rows(flat: Floats) -> Floats:
+        return flat.reshape(*flat.shape[:-1], scene.number, scene.dimension)
+
+    run = Run(
+        time=sample_times(scene, method),
+        final_positions=rows(done.r),
+        final_velocities=rows(done.v),
+        diverged=done.diverged,
+        cost=cost,
+    )
+    if done.positions is not None and done.velocities is not None:
+        run.positions, run.velocities = rows(done.positions), rows(done.velocities)
+    if done.thermo is not None:
+        for column, name in enumerate(("kinetic_energy", "potential_energy", "virial")):
+            if name in output.observables:
+                setattr(run, name, done.thermo[:, column])
+    if output.forces:
+        a, _ = acceleration(done.force, done.r, done.v)
+        run.forces = rows(a) * state.masses[:, None]
+    return run
+
+
+def force_record(scene: Scene, state: State) -> Any:
+    """The force record of `refimpl` for a scene."""
+    if scene.spring is not None:
+        from refimpl.stepping.forces.spring import spring
+
+        masses = np.unique(state.masses)
+        if masses.size > 1:
+            raise ValueError("[spring] takes one mass for all particles")
+        return spring(scene.spring.k, float(masses[0]), scene.spring.gamma)
+    if scene.gravity is not None:
+        from refimpl.stepping.forces.gravity import gravity
+
+        return gravity(state.masses, scene.dimension, scene.gravity.G, scene.gravity.softening)
+    from refimpl.stepping.forces.lennard_jones import Walls, lennard_jones
+
+    lj, box = scene.lennard_jones, scene.box
+    assert lj is not None
+    wall = None if box is None else box.wall
+    one_mass = bool((state.masses == state.masses[0]).all())
+    return lennard_jones(
+        number=scene.number,
+        dimension=scene.dimension,
+        lengths=None if state.lengths is None else tuple(state.lengths.tolist()),
+        periodic=tuple(boundary == "periodic" for boundary in scene.boundaries),
+        species=state.species,
+        epsilon=lj.epsilon,
+        sigma=lj.length,
+        length_form=lj.length_form,
+        cutoff=lj.cutoff,
+        truncation=lj.truncation,
+        mass=float(state.masses[0]) if one_mass else state.masses,
+        walls=None if wall is None else Walls(wall.epsilon, wall.sigma, wall.cutoff),
+    )

@@ -1,0 +1,254 @@
+"""What a scene may not be: entries that contradict each other, and initial states that are impossible."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.errors import UsageError
+from crosscheck.scene.overlaps import find_overlap
+from crosscheck.scene.parts import (
+    AXES,
+    TALLIES,
+    Box,
+    Cylinder,
+    Explicit,
+    Floats,
+    Friction,
+    HardSpheres,
+    Kepler,
+    Lattice,
+)
+
+if TYPE_CHECKING:
+    from crosscheck.scene.scene import Scene, State
+
+#: Particles that overlap by less, in diameters, touch: so much is left by a former run's clock, or a file's digits.
+TOUCHING = 1e-9
+
+
+def check_rows(initial: Explicit, dimension: int) -> None:
+    if not initial.positions:
+        raise ValueError("initial.positions is empty: give at least one particle")
+    table = {
+        "positions": (initial.positions, dimension),
+        "velocities": (initial.velocities, dimension),
+        "angular_velocities": (initial.angular_velocities, 1 if dimension == 2 else 3),
+    }
+    for name, (rows, components) in table.items():
+        if rows is None:
+            continue
+        if len(rows) != len(initial.positions):
+            raise ValueError(f"initial.{name} has {len(rows)} rows for {len(initial.positions)} particles")
+        for i, row in enumerate(rows):
+            if len(row) != components:
+                raise ValueError(f"initial.{name}[{i}] has {len(row)} components in dimension {dimension}")
+
+
+def refuse_hard_spheres_entries(scene: Scene) -> None:
+    """ValueError where an entry that only hard spheres have is given without them."""
+    box, output, initial = scene.box, scene.output, scene.initial
+    entries = {
+        "acceleration": scene.acceleration is not None,
+        "seed": scene.seed is not None,
+        "box.packing_fraction": box is not None and box.packing_fraction is not None,
+        'a boundary "hard"': "hard" in scene.boundaries,
+        "[box.faces]": box is not None and box.faces is not None,
+        "[box.cylinder]": box is not None and box.cylinder is not None,
+        "initial.angular_velocities": isinstance(initial, Explicit) and initial.angular_velocities is not None,
+        "output.collisions": output.collisions is not None,
+        "output.fields": output.fields is not None,
+        **{f"output.observables: '{name}'": name in output.observables for name in TALLIES},
+    }
+    for entry, given in entries.items():
+        if given:
+            raise ValueError(f"{entry} goes with [hard_spheres] only, for now: remove it")
+
+
+def check_hard_spheres(scene: Scene, spheres: HardSpheres) -> None:
+    """ValueError where entries of a scene of hard spheres disagree."""
+    if scene.acceleration is not None:
+        if len(scene.acceleration) != scene.dimension:
+            raise ValueError(f"acceleration needs {scene.dimension} components, found {len(scene.acceleration)}")
+        if spheres.fixed is not None:
+            raise ValueError("acceleration and hard_spheres.fixed: fixed particles do not fall: remove one of them")
+    if isinstance(scene.initial, Kepler):
+        raise ValueError("initial.kind = 'kepler' needs [gravity]")
+    _check_species(scene, spheres)
+    most = 1.0 if scene.dimension == 2 else 2 / 3
+    friction = spheres.friction
+    if friction is not None and friction.inertia is not None and friction.inertia > most:
+        raise ValueError(
+            f"hard_spheres.friction.inertia = {friction.inertia:g} is more than that of a hollow grain, {most:.4g}: "
+            "it is q in I = q m R^2"
+        )
+    if friction is None and isinstance(scene.initial, Explicit) and scene.initial.angular_velocities is not None:
+        raise ValueError(
+            "initial.angular_velocities: smooth grains do not rotate: add [hard_spheres.friction], or remove them"
+        )
+    if scene.box is not None:
+        _check_walls(scene, scene.box)
+    _check_hard_output(scene)
+
+
+def _check_species(scene: Scene, spheres: HardSpheres) -> None:
+    species = set(scene.species or ())
+    if isinstance(spheres.diameter, tuple):
+        number = len(spheres.diameter)
+        if scene.species is None and number != 1:
+            raise ValueError(f"hard_spheres.diameter has {number} values, one per species: add species")
+        if number != 1 and max(species, default=0) >= number:
+            raise ValueError(f"species {max(species)} has no hard_spheres.diameter: there are {number} values")
+    for fixed in spheres.fixed or ():
+        if fixed not in species:
+            raise ValueError(f"hard_spheres.fixed: there is no particle of species {fixed}")
+    if species and species <= set(spheres.fixed or ()):
+        raise ValueError("hard_spheres.fixed: all particles are fixed, nothing moves: remove a species")
+
+
+def _check_walls(scene: Scene, box: Box) -> None:
+    if "wall" in scene.boundaries:
+        raise ValueError('box.boundaries: a "wall" is for [lennard_jones]; that of hard spheres is called "hard"')
+    names = [f"{axis}{side}" for axis in AXES[: scene.dimension] for side in "-+"]
+    for name, face in (box.faces or {}).items():
+        where = f'box.faces."{name}"'
+        if name not in names:
+            raise ValueError(f"{where}: there is no such face; the faces are {', '.join(names)}")
+        boundary = scene.boundaries[AXES.index(name[0])]
+        if boundary != "hard":
+            raise ValueError(f'{where}: box.boundaries says "{boundary}" along {name[0]}: make it "hard", or remove it')
+        _check_wall_friction(scene, where, face.friction)
+    if box.cylinder is not None:
+        _check_cylinder(scene, box.cylinder)
+    drawn = any(face is not None and (face.random_phase or face.temperature) for face in scene.faces)
+    if drawn and scene.seed is None and not isinstance(scene.initial, Lattice):
+        raise ValueError("seed is missing: walls with temperature or random_phase draw random numbers: add seed = 0")
+
+
+def _check_wall_friction(scene: Scene, where: str, friction: Friction | None) -> None:
+    if friction is not None and scene.spin_dimension == 0:
+        raise ValueError(f"{where}.friction: smooth grains do not rub on walls: add [hard_spheres.friction]")
+
+
+def _check_cylinder(scene: Scene, cylinder: Cylinder) -> None:
+    if scene.dimension == 2 and cylinder.axis is not None:
+        raise ValueError(f"box.cylinder.axis = '{cylinder.axis}': in the plane it is a circle: remove axis")
+    if scene.dimension == 3 and cylinder.axis is None:
+        raise ValueError('box.cylinder.axis is missing: add it, one of "x", "y", "z"')
+    for axis in scene.across:
+        if scene.boundaries[axis] != "open":
+            raise ValueError(
+                f'box.boundaries: along {AXES[axis]}, across the cylinder, it must be "open", found '
+                f'"{scene.boundaries[axis]}"'
+            )
+    _check_wall_friction(scene, "box.cylinder", cylinder.friction)
+
+
+def _check_hard_output(scene: Scene) -> None:
+    output = scene.output
+    if "virial" in output.observables:
+        raise ValueError("output.observables: hard spheres have no 'virial': 'collisional_virial' is that of impulses")
+    if output.forces:
+        raise ValueError("output.forces: hard spheres exert impulses, not forces: remove it")
+    if "rotational_energy" in output.observables and scene.spin_dimension == 0:
+        raise ValueError(
+            "output.observables: 'rotational_energy' needs [hard_spheres.friction]: smooth grains do not rotate"
+        )
+    if "wall_torque" in output.observables and not scene.across:
+        raise ValueError("output.observables: 'wall_torque' needs [box.cylinder]")
+    if output.fields is not None:
+        if scene.box is None:
+            raise ValueError("output.fields divides a box into cells: add [box]")
+        if len(output.fields) != scene.dimension:
+            raise ValueError(f"output.fields needs {scene.dimension} entries, found {len(output.fields)}")
+
+
+def check_hard_state(scene: Scene, spheres: HardSpheres, state: State, fixed: NDArray[np.bool_]) -> None:
+    """UsageError where the initial state of hard spheres is impossible."""
+    assert state.diameters is not None
+    for name, vectors in (("velocities", state.velocities), ("angular_velocities", state.angular_velocities)):
+        if vectors is not None and vectors[fixed].any():
+            i = int(np.flatnonzero(fixed & (vectors != 0).any(axis=1))[0])
+            raise UsageError(f"initial.{name}[{i}] is not zero: the particle is of a fixed species; make it zero")
+    rounding = TOUCHING * float(state.diameters.max() or np.abs(state.positions).max())
+    if state.lengths is not None:
+        contact = float(state.diameters.max()) * (spheres.well.range if spheres.well is not None else 1.0)
+        for axis, period in enumerate(scene.periods().tolist()):
+            if 0 < period <= 2 * contact:
+                raise UsageError(
+                    f"box: its length {period:.6g} along {AXES[axis]}, which is periodic, must exceed two contact "
+                    f"ranges, {2 * contact:.6g}: take a larger box"
+                )
+        _refuse_beyond_walls(scene, state, rounding)
+    overlap = find_overlap(state.positions, state.diameters, fixed, scene.periods(), rounding)
+    if overlap is not None:
+        lattice = isinstance(scene.initial, Lattice)
+        raise UsageError(
+            f"particles {overlap.i} and {overlap.j} overlap: their centres are {overlap.distance:.9g} apart, and their "
+            f"contact distance is {overlap.contact:.9g} (gap {overlap.distance - overlap.contact:.3g}): "
+            + ("take fewer particles, smaller ones or a larger box" if lattice else "move one of them")
+        )
+
+
+def wall_strokes(scene: Scene) -> Floats:
+    """Amplitudes of the faces' oscillations, (d, 2)."""
+    strokes = [0.0 if face is None or face.oscillation is None else face.oscillation.amplitude for face in scene.faces]
+    return np.reshape(strokes, (-1, 2))
+
+
+def _refuse_beyond_walls(scene: Scene, state: State, rounding: float) -> None:
+    assert scene.box is not None
+    assert state.lengths is not None
+    assert state.diameters is not None
+    radii = state.diameters / 2
+    room = state.lengths - wall_strokes(scene).sum(axis=1) - state.diameters.max()
+    for axis in np.flatnonzero((room < 0) & wall_strokes(scene).any(axis=1)).tolist():
+        raise UsageError(
+            f"box.faces: the walls that oscillate along {AXES[axis]} leave no room for the largest particle: "
+            "take smaller amplitudes or a larger box"
+        )
+    for index, face in enumerate(scene.faces):
+        if face is None:
+            continue
+        axis, upper = divmod(index, 2)
+        x, length, stroke = state.positions[:, axis], float(state.lengths[axis]), face.oscillation
+        wall = 0.0 if stroke is None else stroke.amplitude * math.cos(stroke.phase)
+        gaps = (length - x if upper else x) - wall - radii
+        i = int(gaps.argmin())
+        if gaps[i] < -rounding:
+            raise UsageError(
+                f"particle {i} is beyond the wall {AXES[axis]}{'-+'[upper]} by {-gaps[i]:.3g}: its centre must be at "
+                f"least {wall + radii[i]:.6g} from {AXES[axis]} = {length if upper else 0.0:g}; it is at {x[i]:.9g}"
+            )
+    if scene.box.cylinder is not None:
+        across, radius = list(scene.across), scene.box.cylinder.radius
+        if (2 * radius > state.lengths[across] * (1 + TOUCHING)).any():
+            raise UsageError(
+                f"box.cylinder.radius = {radius:g} does not fit into the box: make box.lengths across it at least "
+                f"{2 * radius:g}"
+            )
+        distances = np.linalg.norm(state.positions[:, across] - state.lengths[across] / 2, axis=1)
+        gaps = radius - distances - radii
+        i = int(gaps.argmin())
+        if gaps[i] < -rounding:
+            raise UsageError(
+                f"particle {i} is beyond the cylinder by {-gaps[i]:.3g}: its centre must be within "
+                f"{radius - radii[i]:.6g} of the axis; it is {distances[i]:.9g} away"
+            )
+
+
+def refuse_coincidence(positions: Floats, lengths: Floats | None, periodic: Iterable[bool]) -> None:
+    wrapped = positions.copy()
+    if lengths is not None:
+        for axis, wraps in enumerate(periodic):
+            if wraps:
+                wrapped[:, axis] %= lengths[axis]
+    order = np.lexsort(wrapped.T)
+    same = np.flatnonzero((np.diff(wrapped[order], axis=0) == 0).all(axis=1))
+    if same.size:
+        i, j = sorted(order[same[0] : same[0] + 2])
+        raise UsageError(f"particles {i} and {j} are at the same place: move one of them")

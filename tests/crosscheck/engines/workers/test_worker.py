@@ -1,0 +1,288 @@
+"""Whatever an engine does to its process is one error with its last lines, and the next call works."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crosscheck.engines.workers.pool import Worker
+from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
+from crosscheck.scene import Box, Explicit, GrainFriction, HardSpheres, Method, Output, Scene, Spring, explicit
+
+STEP = Method(scheme="good", dt=0.1)
+SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), initial=Explicit(positions=((1.0,),)))
+START = Callable[[str], Worker]
+
+#: The scheme's name says what the engine does.
+ENGINE = """
+import ctypes, os, sys, time
+import numpy as np
+from crosscheck.engines.protocol import Claims, Cost, Run, sample_times
+
+class Engine:
+    name = "trouble"
+    schemes = {"good": Claims((1, 1))}
+
+    def version(self):
+        return "1"
+
+    def supports(self, scene, method):
+        return "it is too hard" if method.scheme == "refuse" else None
+
+    def run(self, scene, method):
+        print("about to", method.scheme, flush=True)
+        if method.scheme == "abort":
+            os.abort()
+        if method.scheme == "segfault":
+            ctypes.string_at(0)
+        if method.scheme == "sleep":
+            time.sleep(1000)
+        if method.scheme == "spin":
+            while True:
+                pass
+        if method.scheme == "raise":
+            raise ArithmeticError("two and two are five")
+        if method.scheme == "exit":
+            sys.exit(7)
+        if method.scheme == "no disk":
+            raise OSError("no space left")
+        if method.scheme == "close":
+            os.closerange(3, 100)
+            time.sleep(1000)
+        state = scene.initial_state()
+        positions = state.positions[:-1] if method.scheme == "short" else state.positions
+        cost = Cost(steps=object()) if method.scheme == "odd" else Cost(steps=1)
+        return Run(sample_times(scene, method), positions, state.velocities, cost=cost)
+"""
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[START]:
+    """Starts a worker for an engine file of the given text."""
+    workers = []
+
+    def start(text: str) -> Worker:
+        file = tmp_path / "engine.py"
+        file.write_text(text)
+        workers.append(Worker(f"{file}:Engine", time_limit=60))
+        return workers[-1]
+
+    yield start
+    for worker in workers:
+        worker.close()
+
+
+@pytest.mark.parametrize(
+    ("scheme", "message"),
+    [
+        ("abort", "was killed by signal 6"),
+        ("segfault", "was killed by signal 11"),
+        ("raise", "ArithmeticError: two and two are five"),
+        ("exit", "ended with exit status 7"),
+        ("no disk", "OSError: no space left"),
+        ("close", "closed its pipe"),
+        ("short", r"run.final_positions must have shape \(1, 1\), found shape \(0, 1\)"),
+    ],
+)
+def test_failure_is_an_error_and_the_next_run_works(start: START, scheme: str, message: str) -> None:
+    worker = start(ENGINE)
+    with pytest.raises(EngineError, match=message) as error:
+        worker.run(SCENE, STEP.model_copy(update={"scheme": scheme}))
+    assert f"about to {scheme}" in str(error.value)
+    np.testing.assert_array_equal(worker.run(SCENE, STEP).final_positions, [[1.0]])
+
+
+@pytest.mark.parametrize("scheme", ["sleep", "spin"])
+def test_hang_is_an_error_that_says_where(start: START, scheme: str) -> None:
+    worker = start(ENGINE)
+    worker.version()  # the process's start shall not count
+    worker.time_limit = 0.5
+    with pytest.raises(EngineError, match=r"gave no answer within 0.5 s") as error:
+        worker.run(SCENE, STEP.model_copy(update={"scheme": scheme}))
+    assert f"about to {scheme}" in str(error.value)
+    assert "in run" in str(error.value)
+    worker.time_limit = 60
+    assert worker.version() == "1"
+
+
+def test_answer_that_cannot_be_written_is_an_error(start: START) -> None:
+    worker = start(ENGINE)
+    with pytest.raises(EngineError, match=r"TypeError: .*not JSON serializable"):
+        worker.run(SCENE, STEP.model_copy(update={"scheme": "odd"}))
+    assert worker.version() == "1"
+
+
+def test_crash_says_where(start: START) -> None:
+    with pytest.raises(EngineError, match=r"Segmentation fault(.|\n)*in run"):
+        start(ENGINE).run(SCENE, STEP.model_copy(update={"scheme": "segfault"}))
+
+
+def test_last_lines_are_the_last(start: START) -> None:
+    worker = start(ENGINE.replace("os.abort()", "[print('line', i) for i in range(100000)]; os.abort()"))
+    with pytest.raises(EngineError) as error:
+        worker.run(SCENE, STEP.model_copy(update={"scheme": "abort"}))
+    assert len(str(error.value).splitlines()) < 20
+
+
+def test_worker_persists(start: START) -> None:
+    worker = start(ENGINE.replace('return "1"', "return str(os.getpid())"))
+    first = worker.version()
+    worker.run(SCENE, STEP)
+    assert worker.version() == first
+    with pytest.raises(EngineError):
+        worker.run(SCENE, STEP.model_copy(update={"scheme": "abort"}))
+    assert worker.version() != first
+
+
+def test_large_scene(start: START) -> None:
+    positions = np.arange(30000.0)[:, None]
+    run = start(ENGINE).run(SCENE.changed(initial=explicit(positions, positions)), STEP)
+    np.testing.assert_array_equal(run.final_positions, positions)
+
+
+def test_hang_at_import(start: START) -> None:
+    # a request larger than the pipe's buffer waits for the reader: within the time limit too
+    worker = start("import time\nprint('importing', flush=True)\ntime.sleep(1000)")
+    worker.time_limit = 1
+    positions = np.arange(30000.0)[:, None]
+    with pytest.raises(EngineError, match="gave no answer"):
+        worker.run(SCENE.changed(initial=explicit(positions, positions)), STEP)
+
+
+def test_unsupported(start: START) -> None:
+    with pytest.raises(Unsupported, match="it is too hard"):
+        start(ENGINE).run(SCENE, STEP.model_copy(update={"scheme": "refuse"}))
+
+
+DISKS = Scene(
+    name="disks",
+    dimension=2,
+    duration=1.0,
+    hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)),
+    box=Box(lengths=(5.0, 5.0), boundaries=("hard", "open")),
+    initial=Explicit(positions=((1.0, 1.0), (3.0, 3.0))),
+    output=Output(collisions=(1, 2), observables=("kinetic_energy", "collisions", "wall_impulse"), trajectory=True),
+)
+FROM_EVENT_TO_EVENT = """
+import numpy as np
+from crosscheck.engines.protocol import Claims, Cost, Run, tally_shapes
+
+class Engine:
+    name = "events"
+    schemes = {"event_driven": Claims(None, events=True), "steps": Claims((1, 1))}
+
+    def version(self):
+        return "1"
+
+    def supports(self, scene, method):
+        return None
+
+    def run(self, scene, method):
+        state = scene.initial_state()
+        run = Run(np.array([0.0, 0.5, np.nan]), state.positions, state.velocities, cost=Cost(events=7))
+        run.positions, run.velocities = np.ones((2, 3, 2, 2))
+        run.angular_velocities, run.final_angular_velocities = np.ones((3, 2, 1)), np.ones((2, 1))
+        run.kinetic_energy = np.ones(3)
+        run.tallies = {name: np.full(shape, 2.0) for name, shape in tally_shapes(scene, 3).items()}
+        run.stopped = "inelastic collapse of particles 0 and 1"
+        return run
+"""
+
+
+def test_arrays_of_hard_spheres_arrive(start: START) -> None:
+    run = start(FROM_EVENT_TO_EVENT).run(DISKS, Method(scheme="event_driven"))
+    assert set(run.tallies) == {"collisions", "wall_impulse"}
+    np.testing.assert_array_equal(run.tallies["wall_impulse"], np.full((3, 4, 2), 2.0))
+    np.testing.assert_array_equal(run.time, [0.0, 0.5, np.nan])
+    assert run.angular_velocities is not None
+    assert run.angular_velocities.shape == (3, 2, 1)
+    assert run.stopped == "inelastic collapse of particles 0 and 1"
+    assert (run.cost.events, run.diverged) == (7, False)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "np.full(shape, 2.0)",
+            "np.full(shape[:1], 2.0)",
+            r"run.tallies\['wall_impulse'\] must have shape \(3, 4, 2\)",
+        ),
+        ("{name: np.full", "{name * 2: np.full", r"run.tallies\['collisions'\] must have shape \(3,\), found None"),
+        ("np.ones((3, 2, 1)), np", "None, np", r"run.angular_velocities must have shape \(3, 2, 1\), found None"),
+        ("0.5, np.nan]", "0.5]", "run.time has 2 samples, the scene asks for 3"),
+    ],
+)
+def test_malformed_arrays_of_hard_spheres(start: START, old: str, new: str, message: str) -> None:
+    assert FROM_EVENT_TO_EVENT.count(old) == 1
+    with pytest.raises(EngineError, match=message):
+        start(FROM_EVENT_TO_EVENT.replace(old, new)).run(DISKS, Method(scheme="event_driven"))
+
+
+@pytest.mark.parametrize(
+    ("method", "message"),
+    [
+        (
+            Method(scheme="event_driven", dt=0.1),
+            r"method.dt = 0.1: scheme 'event_driven' goes from event to event: remove",
+        ),
+        (Method(scheme="steps"), r"method.dt is missing: scheme 'steps' takes time steps: add dt, as in dt = 0.005"),
+    ],
+)
+def test_a_step_for_those_that_take_one(start: START, method: Method, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        start(FROM_EVENT_TO_EVENT).run(DISKS, method)
+
+
+def test_missing_engine(start: START) -> None:
+    worker = start(ENGINE.replace('return "1"', "import no_such_package"))
+    for _ in range(2):
+        with pytest.raises(EngineMissing, match="No module named 'no_such_package'"):
+            worker.version()
+
+
+def test_missing_when_run_cannot_import_it(start: START) -> None:
+    broken = ENGINE.replace('return "1"', "import no_such_package").replace("print(", "self.version(); print(")
+    with pytest.raises(EngineMissing, match="no_such_package"):
+        start(broken).run(SCENE, STEP)
+
+
+@pytest.mark.parametrize(
+    ("engine", "message"),
+    [
+        ("no-such-engine", "unknown engine 'no-such-engine'; known: refimpl"),
+        ("nowhere.py:Engine", "there is no file nowhere.py"),
+    ],
+)
+def test_unknown_engine(engine: str, message: str) -> None:
+    worker = Worker(engine, time_limit=60)
+    with pytest.raises(UsageError, match=message):
+        worker.version()
+    worker.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("class Engine: name = 'x'", "class Engine lacks 'schemes'"),
+        ("import no_such_package", "cannot be imported .ModuleNotFoundError"),
+        ("class Other: pass", "has no class Engine"),
+    ],
+)
+def test_bad_engine_file(start: START, text: str, message: str) -> None:
+    worker = start(text)
+    for _ in range(2):
+        with pytest.raises(UsageError, match=message):
+            worker.version()
+
+
+def test_close_removes_everything(start: START) -> None:
+    worker = start(ENGINE)
+    worker.run(SCENE, STEP)
+    directory = Path(worker._directory.name)
+    assert directory.exists()
+    worker.close()
+    assert not directory.exists()

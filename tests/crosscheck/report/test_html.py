@@ -1,0 +1,228 @@
+"""The HTML report of a synthetic record: complete, self-contained, escaped, reproducible, and with enough contrast."""
+
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from html.parser import HTMLParser
+from itertools import pairwise
+
+import pytest
+import synthetic
+
+from crosscheck.checks.stepping.oscillator import CHECKS
+from crosscheck.errors import UsageError
+from crosscheck.record import Record, read
+from crosscheck.report import figures, html, pictures
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _checks():
+    """The record is joined with the checks of one module, whatever others there are."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(html, "all_checks", lambda: CHECKS)
+        yield
+
+
+@pytest.fixture(scope="module")
+def lines(tmp_path_factory):
+    return read(synthetic.write(tmp_path_factory.mktemp("run")))
+
+
+@pytest.fixture(scope="module")
+def text(lines):
+    return html.render(lines, "a run")
+
+
+class Collector(HTMLParser):
+    """Tags with their attributes, and the visible text, of a page whose tags must match."""
+
+    VOID = frozenset({"meta", "input", "br", "link", "img"})
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.words, self.open = [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.tags.append((tag, dict(attributes)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def test_is_written_beside_the_record(tmp_path):
+    path = html.write_report(synthetic.write(tmp_path))
+    assert path == tmp_path / "report.html"
+    assert path.stat().st_size < 3e6
+
+
+def test_no_record_is_a_usage_error(tmp_path):
+    with pytest.raises(UsageError, match=r"no record\.jsonl"):
+        html.write_report(tmp_path)
+
+
+def test_an_empty_record_gives_a_report():
+    assert "The record is empty" in html.render([], "nothing")
+
+
+def test_tags_match_and_ids_are_unique(text):
+    page = Collector(text)
+    assert page.open == []
+    ids = [attributes["id"] for _, attributes in page.tags if "id" in attributes]
+    assert len(ids) == len(set(ids))
+    anchors = {a["href"][1:] for _, a in page.tags if a.get("href", "").startswith("#")}
+    assert anchors <= set(ids)
+
+
+def test_loads_nothing(text):
+    page = Collector(text)
+    for tag, attributes in page.tags:
+        assert tag not in ("link", "img", "iframe", "object", "embed", "base")
+        assert "src" not in attributes
+        assert tag == "a" or not re.match("https?:", attributes.get("href") or "")
+    assert not re.search(r"@import|url\((?!#)", text)
+
+
+def test_escapes_what_the_record_says(text):
+    assert "<script>alert" not in text
+    assert "CPU <b>of" not in text
+    assert text.count("<script>") == 1
+    assert synthetic.HOSTILE.partition("\x1b")[0] in "".join(Collector(text).words)
+
+
+def test_shows_every_verdict(text, lines):
+    page = Collector(text)
+    rows = [a["data-engine"] for tag, a in page.tags if tag == "tbody" and "data-engine" in a]
+    assert len(rows) == len(lines)
+    words = "\n".join(page.words)
+    for line in lines:
+        assert line["check"].rpartition("/")[2] in words
+
+
+def test_errors_then_failures_then_the_inconclusive_come_before_passes(text):
+    first = [text.index(f'<article class="card {outcome}">') for outcome in ("error", "fail", "inconclusive")]
+    assert first == sorted(first)
+    assert first[-1] < text.index('id="work-precision"') < text.index('data-outcome="pass"')
+
+
+def test_last_lines_of_an_error_are_shown(text):
+    assert "killed by signal 11" in text
+    assert "Traceback (most recent call last)" in text
+
+
+def test_skips_are_collapsed_with_their_reason(text):
+    assert "<details><summary>3: Mine: no lattice gases</summary>" in text
+
+
+def test_states_where_it_comes_from(text):
+    for fact in ("Linux x86_64", "numpy 2.4.6", "--seed 7", "crosscheck run"):
+        assert fact in text
+
+
+def test_the_same_record_gives_the_same_bytes(text, lines):
+    assert html.render(lines, "a run") == text
+
+
+def test_many_verdicts_and_figures_stay_small(tmp_path, monkeypatch):
+    """Six times the record, more than 300 verdicts and 40 figures; equal figures are drawn once."""
+    drawn = {}
+    draw = figures.draw
+
+    def draw_once(panel, *more):
+        if panel.title not in drawn:
+            drawn[panel.title] = draw(panel, *more)
+        return drawn[panel.title]
+
+    monkeypatch.setattr(figures, "draw", draw_once)
+    record = Record(tmp_path, synthetic.PROVENANCE)
+    for copy in range(6):
+        for verdict in synthetic.verdicts():
+            group, _, rest = verdict.check.partition("/")
+            record.append(replace(verdict, check=f"{group}/{copy}-{rest}"))
+    text = html.render(read(tmp_path), "large")
+    assert text.count("<figure>") >= 40
+    assert text.count("<tbody data-outcome") >= 300
+    assert len(text.encode()) < 3e6
+
+
+def test_a_check_of_this_version_comes_with_its_texts(text):
+    check = next(check for check in CHECKS if check.name == "stepping/oscillator-damped")
+    page = "".join(Collector(text).words)
+    for part in (check.title, check.criterion, re.sub("</?su[bp]>", "", check.equation)):
+        assert part in page
+
+
+def test_an_unknown_check_is_shown_as_it_was_recorded(text):
+    assert "events/gone" in text
+    assert "This version has no check of this name" in text
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ("doi:10.1103/PhysRev.159.98.", '<a href="https://doi.org/10.1103/PhysRev.159.98" rel="noreferrer">'),
+        ("see https://example.org/a_b, p. 3", '<a href="https://example.org/a_b" rel="noreferrer">'),
+        ("<i>", "&lt;i&gt;"),
+        ('https://example.org/"onclick="x', '<a href="https://example.org/" rel="noreferrer">'),
+    ],
+)
+def test_links(given, expected):
+    assert expected in html._links(given)
+
+
+def test_equations_may_have_indices_but_no_other_tags():
+    assert html._equation("r<sub>0</sub> < 1 <script>") == "r<sub>0</sub> &lt; 1 &lt;script&gt;"
+
+
+def test_figures_are_xml_without_a_colour_of_their_own(text):
+    drawings = re.findall(r"<svg xmlns.*?</svg>", text, flags=re.DOTALL)
+    assert len(drawings) == text.count("<figure>") > 6
+    for drawing in drawings:
+        ET.fromstring(drawing)
+        assert not re.search(r"#[0-9a-fA-F]{6}", drawing)
+
+
+def _variables(text, block):
+    return dict(re.findall(r"--([a-z0-9]+):(#[0-9a-f]{6})", block.search(text)[1]))
+
+
+LIGHT = re.compile(r":root\{(.*?)\}", re.DOTALL)
+DARK = re.compile(r"prefers-color-scheme:dark\)\{:root\{(.*?)\}", re.DOTALL)
+
+
+def _luminance(colour):
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def _contrast(a, b):
+    high, low = sorted((_luminance(a), _luminance(b)), reverse=True)
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("theme", [LIGHT, DARK], ids=["light", "dark"])
+def test_contrast_meets_wcag_aa(text, theme):
+    colours = _variables(text, theme)
+    for name in ("ink", "quiet", "link", "pass", "fail", "error", "inconclusive", "skip"):
+        for ground in ("paper", "panel"):
+            assert _contrast(colours[name], colours[ground]) >= 4.5, (name, ground)
+    for number in range(len(figures.PALETTE)):
+        assert _contrast(colours[f"c{number}"], colours["paper"]) >= 3, number
+    # particles are told from the page by their outlines, whatever their colour
+    assert _contrast(colours["ring"], colours["paper"]) >= 3
+
+
+def test_the_lightness_of_the_colour_map_rises_all_along():
+    lightness = [_luminance(colour) for colour in pictures.colours()]
+    assert len(lightness) == pictures.LEVELS
+    assert all(a < b for a, b in pairwise(lightness))

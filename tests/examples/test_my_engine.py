@@ -1,0 +1,70 @@
+"""The worked example of one's own engine runs in a worker and is right."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crosscheck.engines.workers.pool import Worker
+from crosscheck.errors import Unsupported
+from crosscheck.scene import Explicit, Gravity, Kepler, LennardJones, Method, Output, Scene, Spring
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "my_engine.py"
+STEP = Method(scheme="velocity_verlet", dt=0.001)
+
+
+@pytest.fixture(scope="module")
+def worker() -> Iterator[Worker]:
+    worker = Worker(f"{EXAMPLE}:MyEngine", time_limit=60)
+    yield worker
+    worker.close()
+
+
+def test_spring(worker: Worker) -> None:
+    scene = Scene(
+        name="spring",
+        dimension=1,
+        duration=5.0,
+        masses=2.0,
+        spring=Spring(k=8.0),
+        initial=Explicit(positions=((1.0,),)),
+        output=Output(interval=0.1, observables=("kinetic_energy", "potential_energy"), trajectory=True, forces=True),
+    )
+    run = worker.run(scene, STEP)
+    np.testing.assert_allclose(run.positions[:, 0, 0], np.cos(2 * run.time), atol=2e-6)
+    np.testing.assert_allclose(run.velocities[:, 0, 0], -2 * np.sin(2 * run.time), atol=4e-6)
+    np.testing.assert_allclose(run.potential_energy, 4 * run.positions[:, 0, 0] ** 2, rtol=1e-14)
+    np.testing.assert_allclose(run.kinetic_energy, run.velocities[:, 0, 0] ** 2, rtol=1e-14)
+    np.testing.assert_allclose(run.forces, -8 * run.final_positions, rtol=1e-14)
+    assert run.cost.evaluations == run.cost.steps + 1 == 5001
+
+
+def test_gravity(worker: Worker) -> None:
+    # a circular orbit of period 2 pi
+    scene = Scene(
+        name="circle",
+        dimension=2,
+        duration=6.0,
+        masses=(0.75, 0.25),
+        gravity=Gravity(),
+        initial=Kepler(kind="kepler", eccentricity=0.0),
+        output=Output(interval=1.0, observables=("kinetic_energy", "potential_energy")),
+    )
+    run = worker.run(scene, STEP)
+    assert run.positions is None
+    np.testing.assert_allclose(run.final_positions[1], 0.75 * np.array([np.cos(6), np.sin(6)]), atol=1e-5)
+    np.testing.assert_allclose(run.potential_energy, -0.1875, rtol=1e-5)
+    np.testing.assert_allclose(run.kinetic_energy, 0.09375, rtol=1e-5)
+
+
+def test_refuses_what_it_cannot_do(worker: Worker) -> None:
+    scene = Scene(
+        name="pair",
+        dimension=3,
+        duration=0.0,
+        lennard_jones=LennardJones(cutoff=2.5),
+        initial=Explicit(positions=((0.0, 0.0, 0.0), (1.2, 0.0, 0.0))),
+    )
+    with pytest.raises(Unsupported, match="springs and gravity only"):
+        worker.run(scene, STEP)
