@@ -21,12 +21,13 @@ from rich.table import Table
 
 from crosscheck import runner
 from crosscheck.checks import all_checks
-from crosscheck.checks.base import Check
+from crosscheck.checks.base import Check, Variant
+from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
-from crosscheck.record import FILE, Line, Record, finished, provenance, read
+from crosscheck.record import FILE, Line, Record, case_name, finished, provenance, read, shown
 from crosscheck.verdict import Verdict
 
 _COLOURS = {
@@ -45,27 +46,42 @@ def _console() -> Console:
     return Console(width=max(console.width, 140) if sys.stdout.isatty() else 200)
 
 
+def _offers(check: Check) -> dict[str, tuple[Variant, ...]]:
+    """The variants of a check by installed engine, of those that it judges."""
+    classes = {name: engine_class(name) for name in engine_names()}
+    return {
+        name: check.offered(engine.schemes)
+        for name, engine in classes.items()
+        if runner.unmatched(check, name, engine) is None
+    }
+
+
 def list_checks(as_json: bool) -> None:
-    """Prints every check with its tier, engines, number of variants and title."""
-    rows = [
-        {
-            "check": check.name,
-            "title": check.title,
-            "tier": check.tier,
-            "engines": list(check.engines),
-            "variants": {e: list(check.variants(e, engine_class(e).schemes)) for e in check.engines},
-            "faults": [fault.name for _, fault in check.faults],
-        }
-        for check in all_checks()
-    ]
+    """Prints every check with its engines, the number of its variants in each tier, and its title."""
+    rows = []
+    for check in all_checks():
+        offers = _offers(check)
+        rows.append(
+            {
+                "check": check.name,
+                "title": check.title,
+                "engines": list(offers),
+                "variants": {
+                    engine: [{"name": one.name, "tier": one.tier} for one in variants]
+                    for engine, variants in offers.items()
+                },
+                "faults": [fault.name for _, fault in check.faults],
+            }
+        )
     if as_json:
         print(json.dumps(rows, indent=2))
         return
-    table = Table("check", "tier", "engines", "variants", "measures", box=None, pad_edge=False)
-    for check, row in zip(all_checks(), rows, strict=True):
-        variants: dict[str, Any] = row["variants"]  # type: ignore[assignment]
-        count = len({name for names in variants.values() for name in names})
-        table.add_row(check.name, check.tier, " ".join(check.engines), str(count), check.title)
+    table = Table("check", "engines", "quick", "full", "measures", box=None, pad_edge=False)
+    for check in all_checks():
+        offers = _offers(check)
+        tiers = Counter({one.name: one.tier for variants in offers.values() for one in variants}.values())
+        counts = [str(tiers[tier]) if tiers[tier] else "" for tier in ("quick", "full")]
+        table.add_row(check.name, " ".join(offers), *counts, check.title)
     _console().print(table)
 
 
@@ -73,21 +89,33 @@ def show(name: str) -> None:
     """Prints what one check is."""
     check = runner.find(name)
     console = _console()
-    console.print(f"[bold]{check.name}[/bold]  ({check.tier})", highlight=False)
+    console.print(f"[bold]{check.name}[/bold]", highlight=False)
     for label, text in (
         ("measures", check.title),
         ("equation", check.equation),
         ("criterion", check.criterion),
         ("citation", check.citation),
-        ("engines", ", ".join(check.engines)),
+        ("needs", "; ".join(_in_words(one) for one in _needs(check))),
     ):
         console.print(f"  {label:<10} {text}", highlight=False, markup=False)
-    for engine in check.engines:
-        variants = check.variants(engine, engine_class(engine).schemes)
-        console.print(f"  {'variants':<10} {engine}: {', '.join(variants)}", highlight=False, markup=False)
+    for engine, variants in _offers(check).items():
+        for tier in ("quick", "full"):
+            names = [one.name for one in variants if one.tier == tier]
+            if names:
+                console.print(f"  {tier:<10} {engine}: {', '.join(names)}", highlight=False, markup=False)
     for variant, fault in check.faults:
         text = f"  {'fault':<10} {fault.name} (seen by {variant}): {fault.breaks}"
         console.print(text, highlight=False, markup=False)
+
+
+def _needs(check: Check) -> tuple[Needs, ...]:
+    return check.needs if isinstance(check.needs, tuple) else (check.needs,)
+
+
+def _in_words(needs: Needs) -> str:
+    """What a check asks of an engine, as "[gravity] by stepping schemes; masses[]; virial"."""
+    kinds = f"[{needs.interaction}] by {' or '.join(needs.kinds)} schemes"
+    return ", ".join([kinds, *needs.schemes, *sorted(needs.words), *sorted(needs.observables), *needs.promises])
 
 
 def engines() -> None:
@@ -132,8 +160,8 @@ class _Display:
 
     def finished(self, verdict: Verdict) -> None:
         self._done += 1
-        if verdict.check in self._running:
-            self._running.remove(verdict.check)
+        if verdict.name in self._running:
+            self._running.remove(verdict.name)
         if self._bar:
             self._bar.advance(self._task)
             self._describe()
@@ -141,7 +169,7 @@ class _Display:
         passed = time.perf_counter() - self._started
         left = passed / self._done * (self._total - self._done)
         print(
-            f"[{self._done}/{self._total}] {verdict.outcome:<12} {verdict.check} [{verdict.engine}]"
+            f"[{self._done}/{self._total}] {verdict.outcome:<12} {verdict.name} [{verdict.engine}]"
             f"  {verdict.cost['seconds']:.2f} s, about {left:.0f} s left",
             flush=True,
         )
@@ -216,19 +244,23 @@ def _print_table(console: Console, lines: list[Line]) -> None:
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     order = {outcome: rank for rank, outcome in enumerate(("pass", "skip", "inconclusive", "error", "fail"))}
-    for line in sorted(lines, key=lambda item: (order[item["outcome"]], item["check"], item["engine"])):
-        unit = {"sigma": "sigma", "tolerance": "tol"}.get(line["deviation_unit"] or "", "")
-        deviation = "" if line["deviation"] is None else f"{line['deviation']:.2g} {unit}"
-        u = "" if line["uncertainty"] is None else f" +- {line['uncertainty']:.1g}"
-        measured = "" if line["measured"] is None else f"{line['measured']:.5g}{u}"
+    for line in sorted(lines, key=lambda item: (order[item["outcome"]], case_name(item), item["engine"])):
+        found = shown(line)
+        numbers = (
+            ["", "", "", ""]
+            if found is None
+            else [
+                _measured(found),
+                "" if found["expected"] is None else f"{found['expected']:.5g}",
+                _deviation(found),
+                "" if found["sensitivity"] is None else f"{found['sensitivity']:.1e}",
+            ]
+        )
         outcome = line["outcome"]
         table.add_row(
-            line["check"],
+            case_name(line),
             line["engine"],
-            measured,
-            "" if line["expected"] is None else f"{line['expected']:.5g}",
-            deviation,
-            "" if line["sensitivity"] is None else f"{line['sensitivity']:.1e}",
+            *numbers,
             f"{line['cost']['seconds']:.2f} s",
             f"[{_COLOURS[outcome]}]{outcome}[/]",
         )
@@ -238,8 +270,20 @@ def _print_table(console: Console, lines: list[Line]) -> None:
         console.print(f"skipped {count}: {reason}", style="dim", highlight=False, markup=False, soft_wrap=True)
     for line in lines:
         if line["outcome"] in ("fail", "error"):
-            text = f"{line['check']} [{line['engine']}]: {line['message'] or line['note'] or line['quantity']}"
+            found = shown(line) or {"quantity": ""}
+            text = f"{case_name(line)} [{line['engine']}]: {line['message'] or line['note'] or found['quantity']}"
             console.print(text, style=_COLOURS[line["outcome"]], highlight=False, markup=False, soft_wrap=True)
+
+
+def _measured(judgement: dict[str, Any]) -> str:
+    u = "" if judgement["uncertainty"] is None else f" +- {judgement['uncertainty']:.1g}"
+    return "" if judgement["measured"] is None else f"{judgement['measured']:.5g}{u}"
+
+
+def _deviation(judgement: dict[str, Any]) -> str:
+    if judgement["sigmas"] is not None:
+        return f"{judgement['sigmas']:.2g} sigma"
+    return "" if judgement["deviation"] is None else f"{judgement['deviation']:.2g} tol"
 
 
 def report(directory: Path) -> None:

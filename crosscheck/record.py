@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import platform
 from collections.abc import Iterable
@@ -15,7 +16,7 @@ from crosscheck.errors import UsageError
 from crosscheck.verdict import Verdict
 
 #: Raised when a field changes its meaning or goes; new fields do not raise it.
-SCHEMA = 1
+SCHEMA = 2
 FILE = "record.jsonl"
 
 Line = dict[str, Any]
@@ -78,8 +79,8 @@ class Record:
 def read(path: Path) -> list[Line]:
     """The lines of a record file, or of the one in a directory; the last line counts where a case occurs twice.
 
-    A last line without its end is a write that was cut short: it does not count. UsageError if there is no record, or a
-    line is not a verdict of this schema.
+    Lines of older schemas are brought to this one. A last line without its end is a write that was cut short: it does
+    not count. UsageError if there is no record, or a line is not a verdict of a schema up to this one.
     """
     file = path / FILE if path.is_dir() else path
     if not file.is_file():
@@ -89,19 +90,89 @@ def read(path: Path) -> list[Line]:
     for number, text in enumerate(whole.splitlines(), 1):
         try:
             line = json.loads(text)
-            key = line["check"], line["engine"]
             schema = line["schema"]
-        except (json.JSONDecodeError, KeyError, TypeError):
+            if schema not in range(1, SCHEMA + 1):
+                raise UsageError(f"{file}:{number}: schema {schema}, this version reads 1 to {SCHEMA}; run again")
+            if schema == 1:
+                line = _from_schema_1(line)
+            lines[case_name(line), line["engine"]] = line
+        except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
             raise UsageError(f"{file}:{number}: not a verdict; remove the line") from None
-        if schema != SCHEMA:
-            raise UsageError(f"{file}:{number}: schema {schema}, this version reads {SCHEMA}; run again")
-        lines[key] = line
     return list(lines.values())
 
 
+def case_name(line: Line) -> str:
+    """`group/phenomenon/variant` of a line."""
+    return f"{line['check']}/{line['variant']}" if line["variant"] else str(line["check"])
+
+
+def shown(line: Line) -> dict[str, Any] | None:
+    """The judgement that decides the verdict of a line; None after a skip or an error."""
+    return None if line["worst"] is None else dict(line["judgements"][line["worst"]])
+
+
 def finished(lines: Iterable[Line]) -> set[tuple[str, str]]:
-    """(check, engine) of the verdicts that need no second run: all but errors."""
-    return {(line["check"], line["engine"]) for line in lines if line["outcome"] != "error"}
+    """(name, engine) of the verdicts that need no second run: all but errors."""
+    return {(case_name(line), line["engine"]) for line in lines if line["outcome"] != "error"}
+
+
+_OF_JUDGEMENT_1 = (
+    "quantity",
+    "measured",
+    "uncertainty",
+    "expected",
+    "expected_uncertainty",
+    "deviation",
+    "sensitivity",
+)
+
+
+def _from_schema_1(line: Line) -> Line:
+    """A line of schema 1, which kept the worst judgement only, its deviation in sigmas where it was statistical."""
+    old = dict(line)
+    group, phenomenon, *variant = old.pop("check").split("/", 2)
+    judgement = {key: old.pop(key) for key in _OF_JUDGEMENT_1}
+    unit, criterion = old.pop("deviation_unit"), old.pop("criterion")
+    judgements = []
+    if criterion is not None:
+        sigmas = judgement["deviation"] if unit == "sigma" else None
+        if sigmas is not None:
+            u = math.hypot(judgement["uncertainty"] or 0.0, judgement["expected_uncertainty"] or 0.0)
+            judgement["deviation"] = sigmas * u / criterion["tolerance"] if criterion["tolerance"] else 0.0
+        criterion = {**criterion, "sense": _sense_1(old["outcome"], judgement, criterion["kind"])}
+        judgements = [
+            {
+                **judgement,
+                "outcome": old["outcome"],
+                "sigmas": sigmas,
+                "criterion": criterion,
+                "control": False,
+                "note": "",
+            }
+        ]
+    return {
+        **old,
+        "schema": SCHEMA,
+        "check": f"{group}/{phenomenon}",
+        "variant": "".join(variant),
+        "tier": "full" if phenomenon.endswith("-full") else "quick",
+        "judgements": judgements,
+        "worst": 0 if judgements else None,
+    }
+
+
+def _sense_1(outcome: str, judgement: dict[str, Any], kind: str) -> str:
+    """The sense of a bound, which schema 1 did not tell: its deviation is limit/measured, or measured/limit."""
+    if kind == "expected_failure":
+        return "at_least"
+    if kind != "bound":
+        return "both"
+    value, limit, ratio = judgement["measured"], judgement["expected"], judgement["deviation"]
+    if value is None or ratio is None or not limit:
+        below = value == 0.0 and outcome == "fail"
+    else:
+        below = abs(ratio * value - limit) < abs(value / limit - ratio) * abs(limit)
+    return "at_least" if below else "at_most"
 
 
 def _drop_torn_line(path: Path) -> None:

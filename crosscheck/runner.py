@@ -14,11 +14,12 @@ from pathlib import Path
 
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check, Laboratory
-from crosscheck.engines.protocol import Claims
-from crosscheck.engines.registry import OWN, engine_class
+from crosscheck.engines.capabilities import lacks
+from crosscheck.engines.protocol import Engine
+from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.pool import TIME_LIMIT, Pool
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
-from crosscheck.verdict import Verdict
+from crosscheck.verdict import Verdict, findings
 
 
 @dataclass(frozen=True)
@@ -38,18 +39,19 @@ class Case:
 def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
     """The cases whose name, or whose check's name, matches a shell pattern, on the engines given.
 
-    The full tier contains the quick one. UsageError if nothing matches.
+    An engine gets the checks whose needs it declares. The full tier contains the quick one. UsageError if nothing
+    matches.
     """
     cases: list[Case] = []
-    claims: dict[str, dict[str, Claims]] = {engine: engine_class(engine).schemes for engine in engines}
     for check in all_checks():
-        for engine in claims:
-            if engine in OWN and engine not in check.engines:
+        for name in engines:
+            engine = engine_class(name)
+            if unmatched(check, name, engine) is not None:
                 continue
-            for variant in check.variants(engine, claims[engine]):
-                case = Case(check.name, variant, engine, check.timing)
+            for variant in check.offered(engine.schemes):
+                case = Case(check.name, variant.name, name, check.timing)
                 named = any(fnmatchcase(case.name, p) or fnmatchcase(check.name, p) for p in patterns)
-                if (not patterns or named) and (tier == "full" or check.tier == "quick"):
+                if (not patterns or named) and (tier == "full" or variant.tier == "quick"):
                     cases.append(case)
     if not cases:
         raise UsageError(
@@ -57,6 +59,17 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
             "see `crosscheck list`"
         )
     return cases
+
+
+def unmatched(check: Check, name: str, engine: type[Engine]) -> str | None:
+    """None if the check judges this engine; else what the engine lacks, or that the check compares with it."""
+    if name == check.reference:
+        return "it is what the check compares with"
+    for needs in check.needs if isinstance(check.needs, tuple) else (check.needs,):
+        reason = lacks(engine, needs)
+        if reason is not None:
+            return reason
+    return None
 
 
 def find(name: str) -> Check:
@@ -100,12 +113,17 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
     """The verdict of one case; whatever goes wrong becomes a verdict too."""
     check = find(case.check)
     pool = _pool(overlay, time_limit)
-    laboratory = Laboratory(case.engine, engine_class(case.engine).schemes, pool, case.name, seed)
+    schemes = engine_class(case.engine).schemes
+    laboratory = Laboratory(case.engine, schemes, pool, case.name, seed)
     started = time.perf_counter()
-    judgement, message = None, ""
+    found, message, tier = None, "", "quick"
     try:
-        judgement = check.judge(laboratory, case.variant)
-        outcome = judgement.outcome
+        variant = next((one for one in check.offered(schemes) if one.name == case.variant), None)
+        if variant is None:
+            raise UsageError(f"check {check.name} has no variant '{case.variant}' for {case.engine}")
+        tier = variant.tier
+        found = findings(check.judge(laboratory, variant.value))
+        outcome = found.outcome
     except (EngineMissing, Unsupported) as reason:
         outcome, message = "skip", str(reason)
     except EngineError as error:
@@ -113,7 +131,7 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
     except Exception as error:
         outcome, message = "error", f"the check failed: {type(error).__name__}: {error}"
     cost = {"seconds": time.perf_counter() - started, **asdict(laboratory.cost)}
-    return Verdict(case.name, case.engine, outcome, judgement, message, cost)
+    return Verdict(check.name, case.variant, case.engine, outcome, found, message, cost, tier)
 
 
 class _Shares:

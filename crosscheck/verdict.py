@@ -13,13 +13,16 @@ expected_failure  the thing must be *found* wrong: measured >= limit.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from crosscheck.figure import Figure
 
 Outcome = Literal["pass", "fail", "inconclusive", "skip", "error"]
 Kind = Literal["round_off", "order", "statistical", "bound", "expected_failure"]
+#: On which side of the expected value a measured one may lie.
+Sense = Literal["both", "at_most", "at_least"]
 
 #: Probability that one statistical verdict is red although the code is right (two-sided, Student's t).
 FALSE_ALARM = 1e-4
@@ -27,20 +30,23 @@ FALSE_ALARM = 1e-4
 
 @dataclass(frozen=True)
 class Criterion:
-    """kind, the allowed deviation in the unit of `measured`, and where that tolerance comes from."""
+    """kind, sense, the allowed deviation in the unit of `measured` (of a bound: the limit), and why it is that."""
 
     kind: Kind
+    sense: Sense
     tolerance: float
     why: str
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """What a check says.
+    """One measured number against what was expected of it.
 
-    deviation: in units of the tolerance (round_off, order, bound, expected_failure: red above 1) or of sigma
-    (statistical). sensitivity: smallest relative deviation from `expected` that would have been red (absolute where
-    `expected` is zero). note: one sentence for the reader.
+    deviation: as a share of the tolerance, whatever the criterion: red above 1. sigmas: of a statistical judgement, the
+    deviation in standard errors. sensitivity: the smallest change of the measured value, from what was expected, that
+    would have been red; of a bound, from what was measured: |limit - measured|; relative to `expected` (absolute where
+    that is zero). control: it says that the set-up is as meant, and is shown only when it is not green. note: a remark
+    on this number.
     """
 
     outcome: Outcome
@@ -50,33 +56,117 @@ class Judgement:
     expected: float | None
     expected_uncertainty: float | None
     deviation: float | None
-    deviation_unit: Literal["tolerance", "sigma"]
     sensitivity: float | None
     criterion: Criterion
+    sigmas: float | None = None
+    control: bool = False
     note: str = ""
     figures: tuple[Figure, ...] = ()
+
+    def as_record(self) -> dict[str, Any]:
+        """Everything but the figures, which belong to the verdict; numbers that are not finite become null."""
+        fields = {name: value for name, value in asdict(self).items() if name != "figures"}
+        return dict(_finite(fields))
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a check found for one variant: all its judgements, in a fixed order, with a note and figures."""
+
+    judgements: tuple[Judgement, ...]
+    note: str = ""
+    figures: tuple[Figure, ...] = ()
+
+    @property
+    def worst(self) -> int:
+        """Index of the judgement that decides, and is shown: red before undecided before green, then by deviation."""
+        return max(range(len(self.judgements)), key=lambda i: _rank(self.judgements[i]))
+
+    @property
+    def shown(self) -> Judgement:
+        """The judgement that decides."""
+        return self.judgements[self.worst]
+
+    @property
+    def outcome(self) -> Outcome:
+        """Of the judgement that decides."""
+        return self.shown.outcome
+
+
+#: What a check may return: one number, or several.
+Judged: TypeAlias = Judgement | Findings
+
+
+def _rank(judgement: Judgement) -> tuple[int, bool, float]:
+    red = {"fail": 2, "inconclusive": 1}.get(judgement.outcome, 0)
+    deviation = judgement.deviation
+    return red, red > 0 or not judgement.control, 0.0 if deviation is None or math.isnan(deviation) else deviation
+
+
+def findings(judged: Judged) -> Findings:
+    """The findings of a check that returned one judgement or several."""
+    if isinstance(judged, Findings):
+        return judged
+    return Findings((replace(judged, note="", figures=()),), judged.note, judged.figures)
+
+
+def worst(judged: Sequence[Judged], note: str = "", figures: tuple[Figure, ...] | None = None) -> Findings:
+    """Several judgements as one verdict, which is the worst of them.
+
+    judged: in an order that does not depend on the numbers. note: what is said of all of them. figures: by default
+    those of all of them.
+    """
+    several = [findings(one) for one in judged]
+    if figures is None:
+        figures = tuple(figure for one in several for figure in one.figures)
+    flat: list[Judgement] = []
+    for one in several:
+        alone = len(one.judgements) == 1
+        flat += [replace(judgement, note=one.note if alone else judgement.note) for judgement in one.judgements]
+    notes = [one.note for one in several if len(one.judgements) > 1 and one.note]
+    return Findings(tuple(flat), "; ".join(dict.fromkeys(filter(None, (*notes, note)))), figures)
+
+
+def controls(judged: Judged) -> Findings:
+    """The same judgements as controls of the set-up."""
+    found = findings(judged)
+    return replace(found, judgements=tuple(replace(one, control=True) for one in found.judgements))
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A judgement (absent after a skip or an error) of one variant of one check on one engine, with its cost."""
+    """What came of one variant of one check on one engine, with its cost; findings are absent after a skip or error."""
 
     check: str
+    variant: str
     engine: str
     outcome: Outcome
-    judgement: Judgement | None
+    findings: Findings | None
     message: str
     cost: dict[str, float] = field(default_factory=dict)
+    tier: str = "quick"
+
+    @property
+    def name(self) -> str:
+        """`group/phenomenon/variant`."""
+        return f"{self.check}/{self.variant}"
 
     def as_record(self) -> dict[str, Any]:
-        """Flat dictionary for the record; numbers that are not finite become null."""
-        inner = asdict(self.judgement) if self.judgement else dict.fromkeys(_JUDGEMENT_KEYS)
-        inner.pop("outcome", None)
-        flat = {"check": self.check, "engine": self.engine, "outcome": self.outcome}
-        return {**flat, **_finite(inner), "message": self.message, "cost": _finite(self.cost)}
-
-
-_JUDGEMENT_KEYS = tuple(key for key in Judgement.__dataclass_fields__ if key != "outcome")
+        """The verdict as a line of the record; numbers that are not finite become null."""
+        found = self.findings
+        return {
+            "check": self.check,
+            "variant": self.variant,
+            "engine": self.engine,
+            "tier": self.tier,
+            "outcome": self.outcome,
+            "judgements": [] if found is None else [one.as_record() for one in found.judgements],
+            "worst": None if found is None else found.worst,
+            "note": "" if found is None else found.note,
+            "figures": [] if found is None else _finite([asdict(figure) for figure in found.figures]),
+            "message": self.message,
+            "cost": _finite(self.cost),
+        }
 
 
 def _finite(value: Any) -> Any:
@@ -89,19 +179,6 @@ def _finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
-
-
-def worst(judgements: list[Judgement], note: str, figures: tuple[Figure, ...] | None = None) -> Judgement:
-    """The worst of several judgements, with a note that gives every measured value, and the figures given, or of all.
-
-    Red before undecided before green, then by deviation.
-    """
-    ranks = {"fail": 2, "inconclusive": 1}
-    chosen = max(judgements, key=lambda j: (ranks.get(j.outcome, 0), j.deviation or 0.0))
-    values = "; ".join(f"{j.quantity} {j.measured:.4g} (expected {j.expected:g})" for j in judgements)
-    if figures is None:
-        figures = tuple(figure for judgement in judgements for figure in judgement.figures)
-    return replace(chosen, note=f"{values}; {note}", figures=figures)
 
 
 def _not_nan(deviation: float) -> float:
@@ -137,11 +214,10 @@ def within(
         expected,
         None,
         deviation,
-        "tolerance",
         _relative(tolerance, expected),
-        Criterion(kind, tolerance, why),
-        note,
-        figures,
+        Criterion(kind, "both", tolerance, why),
+        note=note,
+        figures=figures,
     )
 
 
@@ -163,12 +239,14 @@ def bounded(
     *,
     at_least: bool = False,
     expected_failure: bool = False,
+    control: bool = False,
     note: str = "",
     figures: tuple[Figure, ...] = (),
 ) -> Judgement:
     """measured <= limit (or >= with `at_least` or `expected_failure`); not a number fails.
 
     The deviation is measured/limit, or its inverse: red above 1. Where one of them is not positive, 0 or infinite.
+    control: see `Judgement`.
     """
     lower = at_least or expected_failure
     good = measured >= limit if lower else measured <= limit
@@ -183,11 +261,11 @@ def bounded(
         limit,
         None,
         ratio,
-        "tolerance",
-        abs(limit),
-        Criterion("expected_failure" if expected_failure else "bound", limit, why),
-        note,
-        figures,
+        _relative(abs(limit - measured), limit),
+        Criterion("expected_failure" if expected_failure else "bound", "at_least" if lower else "at_most", limit, why),
+        control=control,
+        note=note,
+        figures=figures,
     )
 
 
@@ -216,11 +294,11 @@ def statistical(
     quantile = float(t.isf(FALSE_ALARM / 2, max(samples - 1, 1)))
     tolerance = quantile * u
     known = math.isfinite(u) and math.isfinite(measured - expected)
-    deviation = math.inf
+    sigmas = math.inf
     if known and (u > 0 or measured == expected):
-        deviation = abs(measured - expected) / u if u > 0 else 0.0
+        sigmas = abs(measured - expected) / u if u > 0 else 0.0
     sensitivity = _relative(tolerance, expected)
-    outcome: Outcome = "pass" if deviation <= quantile else "fail"
+    outcome: Outcome = "pass" if sigmas <= quantile else "fail"
     blunt = needed is not None and sensitivity > needed
     if (known and samples < 10) or (outcome == "pass" and blunt):
         outcome = "inconclusive"
@@ -232,10 +310,10 @@ def statistical(
         uncertainty,
         expected,
         expected_uncertainty,
-        deviation,
-        "sigma",
+        sigmas / quantile,
         sensitivity,
-        Criterion("statistical", tolerance, reason),
-        note,
-        figures,
+        Criterion("statistical", "both", tolerance, reason),
+        sigmas=sigmas,
+        note=note,
+        figures=figures,
     )

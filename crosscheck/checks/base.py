@@ -1,26 +1,44 @@
 """What a check is, and the laboratory that it works in.
 
-To add one: a module in `crosscheck/checks/` whose `CHECKS` is a tuple of `Check`, each with a planted fault.
+To add one: a file in the folder of its group, `crosscheck/checks/<group>/`, whose `CHECKS` is a tuple of `Check`, each
+with a planted fault. It is found by being there.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from crosscheck.engines.protocol import Claims, Cost, Run
+from crosscheck.engines.capabilities import Needs, scheme_of
+from crosscheck.engines.protocol import Claims, Cost, Kind, Run
+from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.pool import Pool
+from crosscheck.errors import Unsupported
 from crosscheck.faults import Fault
 from crosscheck.scene import Contact, Method, Scene
-from crosscheck.verdict import Judgement
+from crosscheck.verdict import Judged
 
-#: Hard spheres, from event to event.
-EVENT_DRIVEN = Method(scheme="event_driven")
 Tier = Literal["quick", "full"]
-#: Variants of a check for an engine with these schemes.
-Variants = Callable[[str, dict[str, Claims]], tuple[str, ...]]
+#: A method by its kind: the engine's own first scheme that goes from event to event.
+EVENT_DRIVEN: Kind = "event_driven"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One of the cases of a check on every engine: its name, its parameters, and the tier that it belongs to.
+
+    name: seeds the case: not to be changed without reason. value: what `Check.judge` gets.
+    """
+
+    name: str
+    value: Any
+    tier: Tier = "quick"
+
+
+#: The variants of a check; or, where they are schemes, a function of those that the engine has.
+Variants = tuple[Variant, ...] | Callable[[Mapping[str, Claims]], Iterable[Variant]]
 
 
 @dataclass
@@ -37,12 +55,16 @@ class Laboratory:
     suite_seed: int = 0
     cost: Cost = field(default_factory=Cost)
 
-    def run(self, scene: Scene, method: Method, engine: str | None = None) -> Run:
-        """Runs `scene` on the engine under judgement, or on another one as its reference."""
-        run = self.pool.worker(engine or self.engine).run(scene, method)
-        for name, value in asdict(run.cost).items():
-            before = getattr(self.cost, name)
-            setattr(self.cost, name, max(before, value) if name == "peak_bytes" else before + value)
+    def run(self, scene: Scene, method: Method | Kind, engine: str | None = None) -> Run:
+        """Runs `scene` on the engine under judgement, or on another one as its reference.
+
+        method: or the kind of scheme, of which the engine's first one for this interaction is taken.
+        """
+        name = engine or self.engine
+        run = self.pool.worker(name).run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
+        for entry, value in asdict(run.cost).items():
+            before = getattr(self.cost, entry)
+            setattr(self.cost, entry, max(before, value) if entry == "peak_bytes" else before + value)
         return run
 
     def seed(self, purpose: str = "") -> int:
@@ -51,14 +73,21 @@ class Laboratory:
         return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4])
 
 
+def _of_kind(engine: str, scene: Scene, kind: Kind) -> Method:
+    scheme = scheme_of(engine_class(engine), scene.interaction, kind)
+    if scheme is None:
+        raise Unsupported(f"{engine}: no {kind} scheme for [{scene.interaction}]")
+    return Method(scheme=scheme)
+
+
 @dataclass(frozen=True)
 class Check:
-    """One phenomenon: scene, engines, observable, reference and criterion.
+    """One phenomenon: scene, observable, reference and criterion.
 
-    name: `group/phenomenon`; a variant (a scheme, an eccentricity ...) is appended to it. variants: which ones an
-    engine gets; `(engine, schemes) -> names`. judge: measures one variant. engines: those of the suite's own engines
-    that can do it; somebody else's engine is tried on every check. timing: run alone, nothing else beside it. faults:
-    (variant, planted bug of `refimpl` that must turn it red).
+    name: `group/phenomenon`; a variant (a scheme, an eccentricity ...) is appended to it. judge: measures one variant,
+    given its value. variants: see `Variants`. needs: what an engine must declare to be judged, own or foreign; several:
+    all of them. faults: (variant, planted bug of `refimpl` that must turn it red). reference: an engine that this check
+    compares with, and therefore does not judge. timing: run alone, nothing else beside it.
     """
 
     name: str
@@ -66,27 +95,43 @@ class Check:
     equation: str
     criterion: str
     citation: str
-    judge: Callable[[Laboratory, str], Judgement]
+    judge: Callable[[Laboratory, Any], Judged]
     variants: Variants
     faults: tuple[tuple[str, Fault], ...]
-    engines: tuple[str, ...] = ("refimpl",)
-    tier: Tier = "quick"
+    needs: Needs | tuple[Needs, ...]
+    reference: str | None = None
     timing: bool = False
 
+    def offered(self, schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
+        """The variants for an engine with these schemes."""
+        return self.variants if isinstance(self.variants, tuple) else tuple(self.variants(schemes))
 
-def reference_check(
-    name: str,
-    title: str,
-    equation: str,
-    criterion: str,
-    citation: str,
-    judge: Callable[[Laboratory, str], Judgement],
-    variants: Sequence[str],
-    faults: tuple[tuple[str, Fault], ...],
-    tier: Tier = "full",
-) -> Check:
-    """A check of the reference implementation alone, with the same variants always."""
-    return Check(name, title, equation, criterion, citation, judge, fixed(*variants), faults, tier=tier)
+
+def quick(*names: str, **values: Any) -> tuple[Variant, ...]:
+    """Variants of the quick tier, whose value is their name, or the one given."""
+    return variants_of({**dict(zip(names, names, strict=True)), **values}, "quick")
+
+
+def full(*names: str, **values: Any) -> tuple[Variant, ...]:
+    """Variants of the full tier, whose value is their name, or the one given."""
+    return variants_of({**dict(zip(names, names, strict=True)), **values}, "full")
+
+
+def variants_of(values: Mapping[str, Any], tier: Tier = "quick") -> tuple[Variant, ...]:
+    """Variants by name, all of one tier."""
+    return tuple(Variant(name, value, tier) for name, value in values.items())
+
+
+def schemes_with(
+    accept: Callable[[str, Claims], bool] = lambda name, claims: True,
+    tier: Callable[[str], Tier] = lambda name: "quick",
+) -> Callable[[Mapping[str, Claims]], Iterable[Variant]]:
+    """One variant per scheme of the engine that takes time steps under forces and that `accept` accepts."""
+    return lambda schemes: (
+        Variant(name, name, tier(name))
+        for name, claims in schemes.items()
+        if claims.kind == "stepping" and accept(name, claims)
+    )
 
 
 def soft(**contact: Any) -> Method:
@@ -94,13 +139,34 @@ def soft(**contact: Any) -> Method:
     return Method(scheme="velocity_verlet", contact=Contact(**contact))
 
 
-def fixed(*names: str) -> Variants:
-    """The same variants for every engine."""
+# -- to be removed once every check declares its needs and variants ------------------------------------------
+
+
+def legacy_check(*, variants: Any, engines: tuple[str, ...] = ("refimpl",), tier: Tier = "quick", **rest: Any) -> Check:
+    def offered(schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
+        for name in engines:
+            if engine_class(name).schemes == schemes:
+                return tuple(Variant(one, one, tier) for one in variants(name, schemes))
+        return ()
+
+    return Check(variants=offered, needs=(), **rest)
+
+
+def reference_check(
+    name: str, title: str, equation: str, criterion: str, citation: str, judge: Any, variants: Any, faults: Any,
+    tier: Tier = "full",
+) -> Check:  # fmt: skip
+    return legacy_check(
+        name=name, title=title, equation=equation, criterion=criterion, citation=citation, judge=judge,
+        variants=fixed(*variants), faults=faults, tier=tier,
+    )  # fmt: skip
+
+
+def fixed(*names: str) -> Any:
     return lambda engine, schemes: names
 
 
-def schemes_with(accept: Callable[[str, Claims], bool] = lambda name, claims: True) -> Variants:
-    """One variant per scheme of the engine that takes time steps and that `accept` accepts."""
+def legacy_schemes_with(accept: Any = lambda name, claims: True) -> Any:
     return lambda engine, schemes: tuple(
-        name for name, claims in schemes.items() if claims.stepping and accept(name, claims)
+        name for name, claims in schemes.items() if claims.kind == "stepping" and accept(name, claims)
     )

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.engines.capabilities import capability
 from crosscheck.engines.protocol import Claims, Cost, Run, sample_times, strides, timed
 from crosscheck.scene import LennardJones, Method, Scene, State
 
@@ -24,6 +25,18 @@ class AseEngine:
 
     name = "ase"
     schemes = {"velocity_verlet": Claims((2, 2), None, symplectic=True)}
+    capabilities = (
+        capability(
+            "lennard_jones",
+            "stepping",
+            words="""
+                dimension=2 dimension=3 masses[] box.boundaries=periodic box.boundaries=open lennard_jones.epsilon
+                lennard_jones.length lennard_jones.length_form=sigma lennard_jones.length_form=r_m
+                lennard_jones.truncation=truncated lennard_jones.truncation=shifted
+            """,
+            observables="positions velocities forces kinetic_energy potential_energy virial",
+        ),
+    )
 
     def version(self) -> str:
         import ase
@@ -31,21 +44,9 @@ class AseEngine:
         return str(ase.__version__)
 
     def supports(self, scene: Scene, method: Method) -> str | None:
-        if method.scheme not in self.schemes:
-            return f"no scheme '{method.scheme}'"
         lj = scene.lennard_jones
-        if lj is None:
-            return "only Lennard-Jones scenes"
-        if any(isinstance(value, tuple) and len(value) > 1 for value in (lj.epsilon, lj.length)):
-            return "its Lennard-Jones calculator knows one species"
-        if lj.truncation == "force_shifted":
-            return "its Lennard-Jones calculator cannot shift the force"
-        if "wall" in scene.boundaries:
-            return "no 12-6 walls"
-        if lj.cutoff < _SKIN:
+        if lj is not None and lj.cutoff < _SKIN:
             return f"its neighbour list adds a fixed {_SKIN} to the cutoff: choose a smaller unit of length"
-        if np.min(scene.masses) <= 0:
-            return "ASE divides by the masses: they must be positive"
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
@@ -63,9 +64,9 @@ class AseEngine:
 
         run = Run(time=times, final_positions=state.positions, final_velocities=state.velocities, cost=Cost())
         for name in output.observables:
-            setattr(run, name, np.full(times.size, np.nan))
+            run[name] = np.full(times.size, np.nan)
         if output.trajectory:
-            run.positions, run.velocities = np.full(shape, np.nan), np.full(shape, np.nan)
+            run["positions"], run["velocities"] = np.full(shape, np.nan), np.full(shape, np.nan)
 
         atoms.get_forces()
         _record(run, 0, atoms, lj)
@@ -81,10 +82,10 @@ class AseEngine:
 
         nowhere = np.full(shape[1:], np.nan)
         d = scene.dimension
-        run.final_positions = nowhere if run.diverged else atoms.get_positions()[:, :d]
-        run.final_velocities = nowhere if run.diverged else atoms.get_velocities()[:, :d]
+        run["final_positions"] = nowhere if run.diverged else atoms.get_positions()[:, :d]
+        run["final_velocities"] = nowhere if run.diverged else atoms.get_velocities()[:, :d]
         if output.forces:
-            run.forces = nowhere if run.diverged else atoms.get_forces()[:, :d]
+            run["forces"] = nowhere if run.diverged else atoms.get_forces()[:, :d]
         return run
 
 
@@ -134,17 +135,17 @@ def _advance(dynamics: Any, steps: int) -> bool:
 
 
 def _record(run: Run, sample: int, atoms: Any, lj: LennardJones) -> None:
-    if run.positions is not None and run.velocities is not None:
-        d = run.positions.shape[2]
-        run.positions[sample] = atoms.get_positions()[:, :d]
-        run.velocities[sample] = atoms.get_velocities()[:, :d]
-    if run.kinetic_energy is not None:
-        run.kinetic_energy[sample] = atoms.get_kinetic_energy()
-    if run.potential_energy is not None:
-        run.potential_energy[sample] = atoms.get_potential_energy() + _unshift(atoms, lj)
-    if run.virial is not None:
+    if "positions" in run and "velocities" in run:
+        d = run["positions"].shape[2]
+        run["positions"][sample] = atoms.get_positions()[:, :d]
+        run["velocities"][sample] = atoms.get_velocities()[:, :d]
+    if "kinetic_energy" in run:
+        run["kinetic_energy"][sample] = atoms.get_kinetic_energy()
+    if "potential_energy" in run:
+        run["potential_energy"][sample] = atoms.get_potential_energy() + _unshift(atoms, lj)
+    if "virial" in run:
         # the stress is sum phi'(r) r r/V, hence W = -V tr(stress)
-        run.virial[sample] = -atoms.get_volume() * np.sum(atoms.get_stress()[:3])
+        run["virial"][sample] = -atoms.get_volume() * np.sum(atoms.get_stress()[:3])
 
 
 def _unshift(atoms: Any, lj: LennardJones) -> float:

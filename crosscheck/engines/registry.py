@@ -11,14 +11,16 @@ from crosscheck.engines.protocol import Engine
 from crosscheck.errors import UsageError
 
 GROUP = "crosscheck.engines"
-#: The engines that come with the suite; any other is somebody's own, and is tried on every check.
-OWN = ("refimpl", "lammps", "ase", "rebound")
 
 
 def engine_names() -> list[str]:
-    """Names of the installed engines, the suite's own first."""
-    found = {point.name for point in entry_points(group=GROUP)}
-    return [name for name in OWN if name in found] + sorted(found - set(OWN))
+    """Names of the installed engines, the reference implementation first, then in alphabetical order."""
+    return sorted({point.name for point in entry_points(group=GROUP)}, key=engine_order)
+
+
+def engine_order(name: str) -> tuple[bool, str]:
+    """Sorts names of engines: the reference implementation first."""
+    return name != "refimpl", name
 
 
 def engine_class(name: str) -> type[Engine]:
@@ -53,7 +55,7 @@ def _from_file(name: str) -> type[Engine]:
     found = getattr(module, class_name, None)
     if not isinstance(found, type):
         raise UsageError(f"engine '{name}': {file} has no class {class_name}")
-    for member in ("name", "schemes", "version", "supports", "run"):
+    for member in ("name", "schemes", "capabilities", "version", "supports", "run"):
         if not hasattr(found, member):
             raise UsageError(f"engine '{name}': class {class_name} lacks '{member}' (see docs/engines.md)")
     return found

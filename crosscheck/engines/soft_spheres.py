@@ -34,10 +34,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crosscheck.errors import UsageError
-from crosscheck.scene import TALLIES, Contact, Friction, Method, Scene
-
-#: Tallies that soft spheres have.
-MEASURED = ("collisional_virial", "contact_time", "rotational_energy", "wall_impulse", "wall_torque")
+from crosscheck.scene import Contact, Friction, Method, Scene
 
 
 class Law(NamedTuple):
@@ -154,19 +151,8 @@ def unsupported(scene: Scene, method: Method) -> str | None:
         frictions.append(scene.box.cylinder.friction)
     if 0.0 in restitutions:
         return "a spring with a dashpot never stops the grains for good: restitution 0 needs an event-driven scheme"
-    for entry, given in {
-        "hard_spheres.well": spheres.well is not None,
-        "hard_spheres.fixed": spheres.fixed is not None,
-        "hard_spheres.contact_duration": spheres.contact_duration is not None,
-        "hard_spheres.diameter = 0": 0.0 in np.atleast_1d(spheres.diameter),
-        "output.collisions": scene.output.collisions is not None,
-        "output.fields": scene.output.fields is not None,
-    }.items():
-        if given:
-            return f"soft spheres have no {entry}"
-    for face in scene.faces:
-        if face is not None and (face.velocity or face.random_phase or face.temperature):
-            return "walls of soft spheres rest or oscillate: velocity, random_phase and temperature act at an instant"
+    if 0.0 in np.atleast_1d(spheres.diameter):
+        return "soft spheres have no hard_spheres.diameter = 0"
     for friction in filter(None, frictions):
         if friction.static != friction.sliding:
             return "a soft contact has one coefficient of friction: static and sliding must be equal"
@@ -174,7 +160,4 @@ def unsupported(scene: Scene, method: Method) -> str | None:
             return 'contact.law = "hertz" has no closed form for a tangential restitution: take "hooke"'
         if contact.friction == "dashpot" and friction.tangential_restitution <= 0:
             return 'contact.friction = "dashpot" never turns the slip round: tangential_restitution must be above 0'
-    unknown = [name for name in scene.output.observables if name in TALLIES and name not in MEASURED]
-    if unknown:
-        return f"of soft spheres {', '.join(unknown)} cannot be measured"
     return None

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from crosscheck.engines.registry import OWN
-from crosscheck.record import Line
+from crosscheck.engines.registry import engine_names, engine_order
+from crosscheck.record import Line, case_name
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -129,18 +129,13 @@ class Drawing:
     remarks: list[str] = field(default_factory=list)
 
 
-def engine_order(engine: str) -> tuple[int, str]:
-    """The suite's own engines first."""
-    return (OWN.index(engine) if engine in OWN else len(OWN)), engine
-
-
 # -- from the record to panels -------------------------------------------------------------------------------
 
 
 def panels(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Panel]:
     """The curves of the verdicts of one check, merged by title, in the order of their first appearance."""
     merged: dict[str, tuple[dict[str, Any], list[tuple[Line, dict[str, Any]]]]] = {}
-    for line in sorted(lines, key=lambda line: (line["check"], engine_order(line["engine"]))):
+    for line in sorted(lines, key=lambda line: (case_name(line), engine_order(line["engine"]))):
         for figure in line.get("figures") or ():
             if figure.get("snapshot") or figure.get("map"):
                 continue
@@ -200,8 +195,9 @@ def curve_numbers(group: Iterable[Panel]) -> dict[str, int]:
 
 
 def _markers(group: Iterable[str]) -> dict[str, str]:
-    others = sorted(set(group) - set(OWN))
-    return {engine: list(MARKERS)[i % len(MARKERS)] for i, engine in enumerate((*OWN, *others))}
+    installed = engine_names()
+    others = sorted(set(group) - set(installed))
+    return {engine: list(MARKERS)[i % len(MARKERS)] for i, engine in enumerate((*installed, *others))}
 
 
 # -- from a panel to SVG -------------------------------------------------------------------------------------

@@ -15,9 +15,11 @@ from markupsafe import Markup, escape
 
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
-from crosscheck.engines.registry import OWN
-from crosscheck.record import Line, read
+from crosscheck.engines.registry import engine_order
+from crosscheck.errors import UsageError
+from crosscheck.record import Line, case_name, read
 from crosscheck.report import figures, numbers, pictures
+from crosscheck.runner import select
 
 FILE = "report.html"
 #: Worst first: the order of everything in the report.
@@ -45,21 +47,21 @@ class Section:
 
     @property
     def quantities(self) -> list[str]:
-        return list(dict.fromkeys(line["quantity"] for line in self.lines if line["quantity"]))
+        return list(dict.fromkeys(one["quantity"] for line in self.lines for one in line["judgements"]))
 
     @property
     def tolerances(self) -> list[tuple[str, str, list[str]]]:
         """(kind, why, variants) of the criteria, equal ones together."""
         found: dict[tuple[str, str], list[str]] = defaultdict(list)
         for line in self.lines:
-            if line["criterion"]:
-                key = line["criterion"]["kind"].replace("_", " "), line["criterion"]["why"]
+            for one in line["judgements"]:
+                key = one["criterion"]["kind"].replace("_", " "), one["criterion"]["why"]
                 found[key].append(f"{self.variant(line)} [{line['engine']}]")
         return [(kind, why, names) for (kind, why), names in found.items()]
 
     def variant(self, line: Line) -> str:
-        """What the check's name leaves of the line's."""
-        return str(line["check"])[len(self.name) + 1 :] or str(line["check"])
+        """The variant, or the check's name where there is none."""
+        return str(line["variant"] or line["check"])
 
 
 def write_report(directory: Path) -> Path:
@@ -70,7 +72,7 @@ def write_report(directory: Path) -> Path:
     return path
 
 
-def render(lines: list[Line], name: str) -> str:
+def render(lines: list[Line], title: str) -> str:
     """The report as text; the same lines give the same text."""
     import jinja2
 
@@ -102,13 +104,13 @@ def render(lines: list[Line], name: str) -> str:
         for line in section.lines:
             by_outcome[line["outcome"]].append((section, line))
     return environment.get_template("template.html.j2").render(
-        name=name,
+        name=title,
         palette=figures.PALETTE,
         colour_map=pictures.colours(),
         lines=lines,
         by_outcome=by_outcome,
         tally=_tally(lines),
-        engines=_table(lines, lambda line: line["engine"], figures.engine_order),
+        engines=_table(lines, lambda line: line["engine"], engine_order),
         groups=_table(lines, lambda line: line["check"].partition("/")[0], str),
         skips=_skips(by_outcome["skip"]),
         precision=precision,
@@ -134,10 +136,10 @@ def _sections(lines: list[Line]) -> list[Section]:
     checks = {check.name: check for check in all_checks()}
     found: dict[str, Section] = {}
     for line in sorted(lines, key=_rank):
-        name = _phenomenon(line["check"], checks)
-        if name not in found:
-            found[name] = Section(name, checks.get(name), "")
-        found[name].lines.append(line)
+        check = line["check"]
+        if check not in found:
+            found[check] = Section(check, checks.get(check), "")
+        found[check].lines.append(line)
     sections = sorted(found.values(), key=lambda section: section.name)
     for number, section in enumerate(sections, 1):
         section.anchor = f"c{number}-" + re.sub(r"[^a-z0-9]+", "-", section.name.lower()).strip("-")
@@ -145,17 +147,7 @@ def _sections(lines: list[Line]) -> list[Section]:
 
 
 def _rank(line: Line) -> tuple[Any, ...]:
-    return OUTCOMES.index(line["outcome"]), line["check"], figures.engine_order(line["engine"])
-
-
-def _phenomenon(name: str, checks: dict[str, Check]) -> str:
-    """The name of the check that a case belongs to: the longest one that fits, or all but its last part."""
-    parts = name.split("/")
-    for length in range(len(parts), 0, -1):
-        candidate = "/".join(parts[:length])
-        if candidate in checks:
-            return candidate
-    return name.rpartition("/")[0] or name
+    return OUTCOMES.index(line["outcome"]), case_name(line), engine_order(line["engine"])
 
 
 def _tally(lines: Iterable[Line]) -> list[tuple[str, int]]:
@@ -183,7 +175,7 @@ def _skips(skipped: list[tuple[Section, Line]]) -> list[tuple[str, list[str]]]:
     """(reason, cases)."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for _, line in skipped:
-        reasons[line["message"] or "no reason given"].append(f"{line['check']} [{line['engine']}]")
+        reasons[line["message"] or "no reason given"].append(f"{case_name(line)} [{line['engine']}]")
     return list(reasons.items())
 
 
@@ -220,29 +212,31 @@ def _origins(lines: list[Line]) -> list[tuple[dict[str, Any], int]]:
 def _command(lines: list[Line], sections: list[Section]) -> str:
     """The command line that runs the same checks again, with names of groups where all of a group has run."""
     ran = {section.name for section in sections if section.check is not None}
-    engines = sorted({line["engine"] for line in lines}, key=figures.engine_order)
-    full = any(section.check is not None and section.check.tier == "full" for section in sections)
-    foreign = any(engine not in OWN for engine in engines)
-    offered = {
-        check.name
-        for check in all_checks()
-        if (full or check.tier == "quick") and (foreign or set(engines) & set(check.engines))
-    }
+    engines = sorted({line["engine"] for line in lines}, key=engine_order)
+    full = any(_tier(section) == "full" for section in sections)
+    try:
+        offered = {case.check for case in select([], "full" if full else "quick", engines)}
+    except UsageError:  # an engine that is not here any more
+        offered = set()
     patterns: list[str] = []
-    if not offered <= ran:
+    if not offered or not offered <= ran:
         for group in sorted({name.partition("/")[0] for name in ran}):
             some = {name for name in ran if name.startswith(group + "/")}
-            whole = {name for name in offered if name.startswith(group + "/")} <= some
+            whole = bool(offered) and {name for name in offered if name.startswith(group + "/")} <= some
             patterns += [f"{group}/*"] if whole else sorted(some)
     seeds = Counter(line["provenance"].get("seed", 0) for line in lines)
     return _run(patterns, "full" if full else "quick", engines, seeds.most_common(1)[0][0] if seeds else 0)
 
 
+def _tier(section: Section) -> str:
+    """The tier that contains all its cases."""
+    return "full" if any(line["tier"] == "full" for line in section.lines) else "quick"
+
+
 def _repeat(section: Section) -> str:
     """The command line for one check."""
-    engines = sorted({line["engine"] for line in section.lines}, key=figures.engine_order)
-    tier = section.check.tier if section.check else "quick"
-    return _run([section.name], tier, engines, section.lines[0]["provenance"].get("seed", 0))
+    engines = sorted({line["engine"] for line in section.lines}, key=engine_order)
+    return _run([section.name], _tier(section), engines, section.lines[0]["provenance"].get("seed", 0))
 
 
 def _run(patterns: list[str], tier: str, engines: list[str], seed: int) -> str:

@@ -6,8 +6,9 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
-from crosscheck.record import Line
+from crosscheck.record import Line, shown
 from crosscheck.report.numbers import deviation, expected, measured
 
 #: Characters that XML 1.0 cannot hold, escaped or not.
@@ -34,7 +35,7 @@ def write_junit(lines: Iterable[Line], path: Path) -> None:
 
 
 def _case(line: Line) -> ET.Element:
-    group, _, variant = line["check"].rpartition("/")
+    group, variant = line["check"], line["variant"]
     case = ET.Element(
         "testcase",
         classname=_clean(group.replace("/", ".") or "crosscheck"),
@@ -43,20 +44,26 @@ def _case(line: Line) -> ET.Element:
     )
     outcome, message = line["outcome"], _clean(line["message"])
     if outcome == "fail":
-        failure = ET.SubElement(case, "failure", message=_clean(_comparison(line)), type=line["criterion"]["kind"])
-        failure.text = _clean("\n".join(filter(None, (line["criterion"]["why"], line["note"], line["message"]))))
+        found = shown(line)
+        assert found is not None
+        kind, why = found["criterion"]["kind"], found["criterion"]["why"]
+        failure = ET.SubElement(case, "failure", message=_clean(_comparison(found)), type=kind)
+        failed = [_comparison(one) for one in line["judgements"] if one["outcome"] == "fail" and one != found]
+        failure.text = _clean("\n".join(filter(None, (why, *failed, line["note"], line["message"]))))
     elif outcome == "error":
         first, _, rest = message.partition("\n")
         ET.SubElement(case, "error", message=first).text = rest
     elif outcome == "skip":
         ET.SubElement(case, "skipped", message=message)
     elif outcome == "inconclusive":
-        ET.SubElement(case, "skipped", message=_clean(f"inconclusive: {_comparison(line)}"))
+        ET.SubElement(case, "skipped", message=_clean(f"inconclusive: {_comparison(shown(line))}"))
     return case
 
 
-def _comparison(line: Line) -> str:
-    return f"{line['quantity']}: measured {measured(line)}, expected {expected(line)}, off by {deviation(line)}"
+def _comparison(judgement: dict[str, Any] | None) -> str:
+    assert judgement is not None
+    off = f"measured {measured(judgement)}, expected {expected(judgement)}, off by {deviation(judgement)}"
+    return f"{judgement['quantity']}: {off}"
 
 
 def _clean(text: str) -> str:

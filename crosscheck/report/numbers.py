@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-
-from crosscheck.record import Line
+from collections.abc import Mapping
+from typing import Any
 
 #: Shown for a number that a skip or an error has not produced.
 ABSENT = "–"
@@ -71,54 +71,49 @@ def count(value: float | None) -> str:
     return f"{value:.0f}" if value < 1e5 else _tidy(f"{value:.2e}")
 
 
-# -- the numbers of a verdict --------------------------------------------------------------------------------
+# -- the numbers of a judgement ------------------------------------------------------------------------------
+
+#: A judgement as a record keeps it.
+Judgement = Mapping[str, Any]
 
 
-def measured(line: Line) -> str:
+def measured(judgement: Judgement | None) -> str:
     """What was measured, with its uncertainty, or with the digits that its tolerance asks for."""
-    if line["criterion"] is None:
+    if judgement is None:
         return ABSENT
-    if line["measured"] is None:
+    if judgement["measured"] is None:
         return "not finite"
-    if line["uncertainty"]:
-        return with_uncertainty(line["measured"], line["uncertainty"])
-    return to_tolerance(line["measured"], line["criterion"]["tolerance"])
+    if judgement["uncertainty"]:
+        return with_uncertainty(judgement["measured"], judgement["uncertainty"])
+    return to_tolerance(judgement["measured"], judgement["criterion"]["tolerance"])
 
 
-def expected(line: Line) -> str:
+def expected(judgement: Judgement | None) -> str:
     """The reference value with its uncertainty, or the limit of a bound with its sense."""
-    criterion, value = line["criterion"], line["expected"]
-    if criterion is None:
+    if judgement is None:
         return ABSENT
-    if criterion["kind"] in ("bound", "expected_failure"):
-        return f"{'≥' if _from_below(line) else '≤'} {plain(value)}"
-    if line["expected_uncertainty"]:
-        return with_uncertainty(value, line["expected_uncertainty"])
+    criterion, value = judgement["criterion"], judgement["expected"]
+    sign = {"at_least": "≥", "at_most": "≤"}.get(criterion["sense"])
+    if sign is not None:
+        return f"{sign} {plain(value)}"
+    if judgement["expected_uncertainty"]:
+        return with_uncertainty(value, judgement["expected_uncertainty"])
     return to_tolerance(value, criterion["tolerance"])
 
 
-def _from_below(line: Line) -> bool:
-    """Whether the limit is the smallest value allowed: then the deviation is limit/measured, not measured/limit."""
-    value, limit, ratio = line["measured"], line["expected"], line["deviation"]
-    if line["criterion"]["kind"] == "expected_failure":
-        return True
-    if value is None or ratio is None or not limit:
-        return value == 0.0 and line["outcome"] == "fail"
-    return abs(ratio * value - limit) < abs(value / limit - ratio) * abs(limit)
-
-
-def deviation(line: Line) -> str:
+def deviation(judgement: Judgement | None) -> str:
     """In sigma or in tolerances."""
-    if line["criterion"] is None:
+    if judgement is None:
         return ABSENT
-    if line["deviation"] is None:
+    statistical = judgement["criterion"]["kind"] == "statistical"
+    value = judgement["sigmas" if statistical else "deviation"]
+    if value is None:
         return "∞"
-    return f"{plain(line['deviation'], 3)} {'σ' if line['deviation_unit'] == 'sigma' else 'tol.'}"
+    return f"{plain(value, 3)} {'σ' if statistical else 'tol.'}"
 
 
-def sensitivity(line: Line) -> str:
+def sensitivity(judgement: Judgement | None) -> str:
     """The smallest deviation that would have been red, relative where there is something to relate it to."""
-    if line["criterion"] is None or line["sensitivity"] is None:
+    if judgement is None or judgement["sensitivity"] is None:
         return ABSENT
-    relative = line["expected"] and line["criterion"]["kind"] not in ("bound", "expected_failure")
-    return f"{plain(line['sensitivity'], 2)}{'' if relative else ' abs.'}"
+    return f"{plain(judgement['sensitivity'], 2)}{'' if judgement['expected'] else ' abs.'}"

@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from crosscheck.record import Line
-from crosscheck.report.figures import LARGEST, WIDTH, Drawing, engine_order, qualified, sheet, style, to_svg
+from crosscheck.engines.registry import engine_order
+from crosscheck.record import Line, case_name
+from crosscheck.report.figures import LARGEST, WIDTH, Drawing, qualified, sheet, style, to_svg
 from crosscheck.report.numbers import plain, to_tolerance
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def colours() -> tuple[str, ...]:
 
 def pictures(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Picture]:
     """Snapshots and maps of the verdicts of one check; captions that would be equal get the variant or the engine."""
-    ordered = sorted(lines, key=lambda line: (line["check"], engine_order(line["engine"])))
+    ordered = sorted(lines, key=lambda line: (case_name(line), engine_order(line["engine"])))
     found = [
         (line, figure)
         for line in ordered

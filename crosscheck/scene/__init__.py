@@ -2,8 +2,6 @@
 
 from crosscheck.scene.parts import (
     AXES,
-    GAS_TALLIES,
-    TALLIES,
     Box,
     Contact,
     Cylinder,
@@ -37,8 +35,6 @@ from crosscheck.scene.starts import explicit
 
 __all__ = [
     "AXES",
-    "GAS_TALLIES",
-    "TALLIES",
     "Box",
     "Contact",
     "Cylinder",

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.errors import UsageError
+from crosscheck.scene.observables import TABLE, named
 from crosscheck.scene.overlaps import find_overlap
 from crosscheck.scene.parts import (
     AXES,
-    TALLIES,
     Box,
     Cylinder,
     Explicit,
@@ -62,7 +62,7 @@ def refuse_hard_spheres_entries(scene: Scene) -> None:
         "initial.angular_velocities": isinstance(initial, Explicit) and initial.angular_velocities is not None,
         "output.collisions": output.collisions is not None,
         "output.fields": output.fields is not None,
-        **{f"output.observables: '{name}'": name in output.observables for name in TALLIES},
+        **{f"output.observables: '{name}'": name in output.observables for name in named("hard_spheres")},
     }
     for entry, given in entries.items():
         if given:
@@ -154,12 +154,11 @@ def _check_hard_output(scene: Scene) -> None:
         raise ValueError("output.observables: hard spheres have no 'virial': 'collisional_virial' is that of impulses")
     if output.forces:
         raise ValueError("output.forces: hard spheres exert impulses, not forces: remove it")
-    if "rotational_energy" in output.observables and scene.spin_dimension == 0:
-        raise ValueError(
-            "output.observables: 'rotational_energy' needs [hard_spheres.friction]: smooth grains do not rotate"
-        )
-    if "wall_torque" in output.observables and not scene.across:
-        raise ValueError("output.observables: 'wall_torque' needs [box.cylinder]")
+    there = {"hard_spheres.friction": scene.spin_dimension > 0, "box.cylinder": bool(scene.across)}
+    for name in output.observables:
+        requires = TABLE[name].requires
+        if requires is not None and not there[requires[0]]:
+            raise ValueError(f"output.observables: '{name}' needs [{requires[0]}]: {requires[1]}")
     if output.fields is not None:
         if scene.box is None:
             raise ValueError("output.fields divides a box into cells: add [box]")

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.errors import UsageError
-from crosscheck.scene.parts import GAS_TALLIES, Floats, LatticeGas, Obstacle, Occupations
+from crosscheck.scene.observables import named
+from crosscheck.scene.parts import Floats, LatticeGas, Obstacle, Occupations
 
 if TYPE_CHECKING:
     from crosscheck.scene.scene import Scene
@@ -21,7 +22,7 @@ def check_lattice_gas(scene: Scene) -> None:
     if gas is None:
         if isinstance(scene.initial, Occupations):
             raise ValueError("initial.kind = 'occupations' fills a lattice: add [lattice_gas]")
-        for name in GAS_TALLIES:
+        for name in named("lattice_gas"):
             if name in output.observables:
                 raise ValueError(f"output.observables: '{name}' goes with [lattice_gas] only: remove it")
         return
@@ -41,10 +42,9 @@ def check_lattice_gas(scene: Scene) -> None:
         if given:
             raise ValueError(f"{entry} does not go with [lattice_gas]: remove it")
     for name in output.observables:
-        if name not in GAS_TALLIES:
-            raise ValueError(
-                f"output.observables: '{name}' is of particles; a lattice gas has {', '.join(GAS_TALLIES)}"
-            )
+        if name not in named("lattice_gas"):
+            known = ", ".join(named("lattice_gas"))
+            raise ValueError(f"output.observables: '{name}' is of particles; a lattice gas has {known}")
     _check_lattice(scene, gas, scene.initial)
 
 

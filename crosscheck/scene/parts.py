@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self, TypeAlias, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from crosscheck.errors import UsageError
+from crosscheck.scene import observables
 
 Floats: TypeAlias = NDArray[Any]
 Positive = Annotated[float, Field(gt=0)]
@@ -353,28 +354,10 @@ class File(Part):
 
 
 Initial: TypeAlias = Annotated[Explicit | Lattice | Kepler | File | Occupations, Field(discriminator="kind")]
-#: Of hard spheres only, and returned in `Run.tallies`; all but rotational_energy accumulate from the start of the run.
-Tally = Literal[
-    "collisions",
-    "events",
-    "collisional_virial",
-    "dissipated_energy",
-    "wall_impulse",
-    "wall_energy",
-    "wall_collisions",
-    "wall_torque",
-    "kinetic_energy_integral",
-    "potential_energy_integral",
-    "deepest_overlap",
-    "operation_counts",
-    "rotational_energy",
-    "contact_time",
-]
-TALLIES: tuple[str, ...] = get_args(Tally)
-#: Of lattice gases only, in `Run.tallies` too. All but sites, the final states, are of each sample.
-GasTally = Literal["populations", "force_impulse", "h_function", "sites"]
-GAS_TALLIES: tuple[str, ...] = get_args(GasTally)
-Observable = Literal["kinetic_energy", "potential_energy", "virial", Tally, GasTally]
+if TYPE_CHECKING:
+    Observable: TypeAlias = str
+else:
+    Observable = Literal[observables.NAMED]
 
 
 class Output(Part):

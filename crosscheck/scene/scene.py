@@ -26,6 +26,7 @@ from crosscheck.scene.hard_spheres import (
 )
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
+from crosscheck.scene.observables import FRICTION, Matter, Observable, asked_for
 from crosscheck.scene.parts import (
     AXES,
     Box,
@@ -57,6 +58,12 @@ from crosscheck.scene.starts import (
     random_velocities,
     read_configuration,
 )
+
+#: Tables of the scene language, of which a scene has exactly one.
+INTERACTIONS = ("spring", "lennard_jones", "gravity", "hard_spheres", "lattice_gas")
+SMOOTH: tuple[Matter, ...] = ("any", "particles", "smooth_particles")
+HARD: tuple[Matter, ...] = ("any", "particles", "hard_spheres")
+GAS: tuple[Matter, ...] = ("any", "lattice_gas")
 
 
 class State(NamedTuple):
@@ -101,11 +108,10 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
-        interactions = ("spring", "lennard_jones", "gravity", "hard_spheres", "lattice_gas")
-        given = [name for name in interactions if getattr(self, name) is not None]
+        given = [name for name in INTERACTIONS if getattr(self, name) is not None]
         if len(given) != 1:
             found = " and ".join(given) or "none"
-            names = ", ".join(f"[{name}]" for name in interactions)
+            names = ", ".join(f"[{name}]" for name in INTERACTIONS)
             raise ValueError(f"give exactly one of {names}; found {found}")
         if given[0] in ("lennard_jones", "hard_spheres") and self.dimension == 1:
             raise ValueError(f"[{given[0]}] needs dimension 2 or 3")
@@ -173,6 +179,28 @@ class Scene(Part):
         return Scene.from_json(self.model_copy(update=changes).to_json())
 
     # -- what engines need -------------------------------------------------------------------------
+
+    @property
+    def interaction(self) -> str:
+        """The table of the interaction: one of `INTERACTIONS`."""
+        return next(name for name in INTERACTIONS if getattr(self, name) is not None)
+
+    @property
+    def matters(self) -> tuple[Matter, ...]:
+        """What the observables of this scene can be of."""
+        return {"hard_spheres": HARD, "lattice_gas": GAS}.get(self.interaction, SMOOTH)
+
+    def asked(self) -> dict[str, Observable]:
+        """The observables that a run of this scene returns, by name."""
+        output = self.output
+        asked = asked_for(
+            self.matters,
+            output.observables,
+            trajectory=output.trajectory,
+            forces=output.forces,
+            fields=output.fields is not None,
+        )
+        return {name: row for name, row in asked.items() if row.requires != FRICTION or self.spin_dimension}
 
     @property
     def number(self) -> int:

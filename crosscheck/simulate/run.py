@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crosscheck.engines.protocol import OPERATIONS, Run, face_names
+from crosscheck.engines.protocol import Run, face_names
 from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EngineMissing, UsageError
 from crosscheck.scene import AXES, Floats, Method, Scene
 from crosscheck.scene.lattice_gas import gas_model
+from crosscheck.scene.observables import OPERATIONS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,7 +83,7 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]
         name = re.sub(r"[^A-Za-z0-9_.-]+", "-", Path(result.engine).name)
         if len(result.table) > 1:
             written.append(_write_observables(out / f"observables-{name}.csv", what, method, result))
-        if result.run.positions is not None:
+        if "positions" in result.run:
             written.append(_write_trajectory(out / f"trajectory-{name}.extxyz", what, result.run))
     return written + _draw(out, what, method, results)
 
@@ -116,8 +117,8 @@ def observables(scene: Scene, run: Run) -> dict[str, Floats]:
 
     Of lattice gases: totals of mass, momentum and what the force gave.
     """
-    table = {"time": run.time}
-    kinetic, potential, virial = run.kinetic_energy, run.potential_energy, run.virial
+    table = {"time": run["time"]}
+    kinetic, potential, virial = run["kinetic_energy"], run["potential_energy"], run["virial"]
     tail_energy, tail_pressure = _tails(scene)
     d = scene.dimension
     if kinetic is not None:
@@ -139,17 +140,17 @@ def observables(scene: Scene, run: Run) -> dict[str, Floats]:
 
 def _of_hard_spheres(scene: Scene, run: Run) -> dict[str, Floats]:
     table: dict[str, Floats] = {}
-    d, tallies, rotates = scene.dimension, run.tallies, scene.spin_dimension > 0
+    d, tallies, rotates = scene.dimension, run, scene.spin_dimension > 0
     fixed = int(scene.fixed().sum())
     free = set(scene.boundaries) == {"periodic"} and not fixed
     rotational = tallies.get("rotational_energy")
-    if run.kinetic_energy is not None and (rotational is not None or not rotates):
-        translation = run.kinetic_energy if rotational is None else run.kinetic_energy - rotational
+    if "kinetic_energy" in run and (rotational is not None or not rotates):
+        translation = run["kinetic_energy"] if rotational is None else run["kinetic_energy"] - rotational
         freedoms = scene.number - 1 if free and scene.acceleration is None else scene.number - fixed
         table["temperature"] = 2 * translation / (d * max(freedoms, 1))
     virial, integral = tallies.get("collisional_virial"), tallies.get("kinetic_energy_integral")
     if free and not rotates and virial is not None and integral is not None:
-        span = np.where(run.time > 0, run.time, np.nan)
+        span = np.where(run["time"] > 0, run["time"], np.nan)
         table["pressure"] = (2 * integral + virial) / (d * scene.volume() * span)
     for name in scene.output.observables:
         if name in tallies:
@@ -159,7 +160,7 @@ def _of_hard_spheres(scene: Scene, run: Run) -> dict[str, Floats]:
 
 def _of_lattice_gas(scene: Scene, run: Run) -> dict[str, Floats]:
     table: dict[str, Floats] = {}
-    tallies = run.tallies
+    tallies = run
     if "populations" in tallies:
         whole = tallies["populations"].sum(axis=(1, 2))
         momentum = whole @ gas_model(scene).velocities.cartesian
@@ -266,8 +267,6 @@ def _write_trajectory(path: Path, scene: Scene, run: Run) -> Path:
     import ase
     import ase.io
 
-    assert run.positions is not None
-    assert run.velocities is not None
     state = scene.initial_state()
     cell, periodic = np.zeros(3), np.zeros(3, dtype=bool)
     if state.lengths is not None:
@@ -275,7 +274,7 @@ def _write_trajectory(path: Path, scene: Scene, run: Run) -> Path:
         periodic[: scene.dimension] = [boundary == "periodic" for boundary in scene.boundaries]
     kinds = np.zeros(scene.number, dtype=int) if state.species is None else state.species + 1
     frames = []
-    for sample, (time, r, v) in enumerate(zip(run.time, run.positions, run.velocities, strict=True)):
+    for sample, (time, r, v) in enumerate(zip(run["time"], run["positions"], run["velocities"], strict=True)):
         if not (np.isfinite(r).all() and np.isfinite(v).all()):
             break
         atoms = ase.Atoms(kinds, positions=_in_space(r), cell=cell, pbc=periodic, info={"time": float(time)})
@@ -284,8 +283,8 @@ def _write_trajectory(path: Path, scene: Scene, run: Run) -> Path:
         atoms.new_array("velocities", _in_space(v))
         if state.diameters is not None:
             atoms.new_array("radius", state.diameters / 2)
-        if run.angular_velocities is not None:
-            spins = run.angular_velocities[sample]
+        if "angular_velocities" in run:
+            spins = run["angular_velocities"][sample]
             atoms.new_array("angular_velocities", np.pad(spins, ((0, 0), (3 - spins.shape[1], 0))))
         frames.append(atoms)
     ase.io.write(path, frames, format="extxyz")
@@ -334,14 +333,16 @@ def _draw(out: Path, scene: Scene, method: Method, results: list[_Result]) -> li
             if energies:
                 energy_axes = figure.add_subplot(grid[1, column], sharey=energy_axes)
                 for colour, (name, values) in zip(_COLOURS, _energies(result).items(), strict=False):
-                    energy_axes.plot(result.run.time, values, color=colour, linewidth=1, label=name.replace("_", " "))
+                    energy_axes.plot(
+                        result.run["time"], values, color=colour, linewidth=1, label=name.replace("_", " ")
+                    )
                 energy_axes.set(xlabel="time", ylabel="energy")
                 energy_axes.legend(**above)
         if compared:
             axes = figure.add_subplot(grid[-1, :])
             for colour, (name, values) in zip(_COLOURS, compared.items(), strict=False):
                 axes.plot(
-                    results[0].run.time, np.where(values > 0, values, np.nan), color=colour, linewidth=1, label=name
+                    results[0].run["time"], np.where(values > 0, values, np.nan), color=colour, linewidth=1, label=name
                 )
             axes.set(xlabel="time", ylabel=f"|{results[0].engine} - {results[1].engine}|", yscale="log")
             axes.legend(**above)
@@ -355,7 +356,7 @@ def _end(scene: Scene, results: list[_Result]) -> float:
     """Time of the last sample of a run that ends at a number of collisions; the duration of any other."""
     if scene.output.collisions is None:
         return scene.duration
-    return max(float(np.nanmax(result.run.time)) for result in results)
+    return max(float(np.nanmax(result.run["time"])) for result in results)
 
 
 def _energies(result: _Result) -> dict[str, Floats]:
@@ -369,8 +370,8 @@ def _differences(results: list[_Result]) -> dict[str, Floats]:
     for name in ("total_energy", "kinetic_energy", "potential_energy", "pressure"):
         if name in one.table and name in other.table:
             found[name.replace("_", " ")] = abs(one.table[name] - other.table[name])
-    if one.run.positions is not None and other.run.positions is not None:
-        distances = np.linalg.norm(one.run.positions - other.run.positions, axis=2)
+    if "positions" in one.run and "positions" in other.run:
+        distances = np.linalg.norm(one.run["positions"] - other.run["positions"], axis=2)
         found["position of the farthest particle"] = distances.max(axis=1)
     return found
 
@@ -386,10 +387,10 @@ def _draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
     if scene.hard_spheres is not None and scene.dimension == 2:
         _draw_disks(axes, scene, run)
         return
-    if scene.number <= FEW and run.positions is not None:
-        _draw_trajectories(axes, scene, run.time, run.positions)
+    if scene.number <= FEW and "positions" in run:
+        _draw_trajectories(axes, scene, run["time"], run["positions"])
         return
-    r, lengths = run.final_positions.copy(), scene.lengths()
+    r, lengths = run["final_positions"].copy(), scene.lengths()
     if lengths is not None:
         wraps = np.array(scene.boundaries) == "periodic"
         r[:, wraps] %= lengths[wraps]
@@ -397,7 +398,7 @@ def _draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
         if scene.dimension > 1:
             axes.set_ylim(0, lengths[1])
     flat = _in_space(r)
-    speed = np.linalg.norm(run.final_velocities, axis=1)
+    speed = np.linalg.norm(run["final_velocities"], axis=1)
     order = np.argsort(flat[:, 2], kind="stable")
     depth = (
         np.zeros(scene.number) if scene.dimension < 3 else (flat[:, 2] - flat[:, 2].min()) / (np.ptp(flat[:, 2]) or 1.0)
@@ -425,8 +426,8 @@ def _draw_lattice_gas(axes: Axes, scene: Scene, run: Run) -> None:
     height = gas.rows * velocities.row_height
     axes.set(xlim=(0, gas.columns), ylim=(0, height), xlabel="x", ylabel="y", aspect="equal")
     axes.grid(False)
-    if "populations" in run.tallies:
-        counts = run.tallies["populations"][-1]
+    if "populations" in run:
+        counts = run["populations"][-1]
         mass = counts.sum(axis=-1)
         u = counts @ velocities.cartesian / np.where(mass > 0, mass, np.nan)[..., None]
         speed = np.linalg.norm(u, axis=-1)
@@ -457,9 +458,9 @@ def _draw_disks(axes: Axes, scene: Scene, run: Run) -> None:
     assert diameters is not None
     periodic = np.array(scene.boundaries) == "periodic"
     periods = scene.periods()
-    r = run.final_positions - _image(run.final_positions, periods) * periods
-    if scene.number - fixed.sum() <= FEW and run.positions is not None:
-        _draw_paths(axes, run.positions[:, ~fixed], periods)
+    r = run["final_positions"] - _image(run["final_positions"], periods) * periods
+    if scene.number - fixed.sum() <= FEW and "positions" in run:
+        _draw_paths(axes, run["positions"][:, ~fixed], periods)
     size = float(np.ptp(r, axis=0).max()) if lengths is None else float(lengths.max())
     seen = np.where(diameters > 0, diameters, 0.01 * (size or 1.0))
     # a disk that reaches over a periodic edge is seen again on the other side
@@ -468,7 +469,7 @@ def _draw_disks(axes: Axes, scene: Scene, run: Run) -> None:
     which = np.tile(np.arange(scene.number), len(shifts))
     over = (np.abs(centres - periods / 2) > (periods + seen[which, None]) / 2)[:, periodic].any(axis=1)
     centres, which = centres[~over], which[~over]
-    speed = np.linalg.norm(run.final_velocities, axis=1)
+    speed = np.linalg.norm(run["final_velocities"], axis=1)
     for still in (True, False):
         group = fixed[which] == still
         if not group.any():

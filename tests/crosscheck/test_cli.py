@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from crosscheck import cli, commands, runner
+from crosscheck import cli, commands
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.faults import Fault
@@ -283,7 +283,7 @@ def test_an_interrupted_run_says_how_to_go_on(crosscheck: Any, tmp_path: Path, m
     def interrupted(*_: Any) -> Any:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(runner, "run", interrupted)
+    monkeypatch.runner["run"] = interrupted
     done = crosscheck("run", CASE, "-e", "refimpl", "-o", tmp_path)
     assert done.status == 130
     assert done.err == f"crosscheck: interrupted; the record has what was finished: --resume {tmp_path}\n"
@@ -297,7 +297,7 @@ def only(monkeypatch: pytest.MonkeyPatch, *faults: tuple[str, Fault]) -> None:
     (check,) = (check for check in all_checks() if check.name == "stepping/oscillator-exact")
     checks = (replace(check, faults=faults),)
     monkeypatch.setattr(commands, "all_checks", lambda: checks)
-    monkeypatch.setattr(runner, "all_checks", lambda: checks)
+    monkeypatch.runner["all_checks"] = lambda: checks
 
 
 def fault(new: str, old: str = "v_half = v + 0.5 * dt * memory[0]") -> Fault:

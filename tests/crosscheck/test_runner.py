@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from crosscheck import runner
 from crosscheck.checks.base import Check, Laboratory, fixed, schemes_with
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.runner import Case, close_pools, find, judge, run, select
@@ -61,7 +60,7 @@ def no_workers_left() -> Iterator[None]:
 
 
 def offer(monkeypatch: pytest.MonkeyPatch, *checks: Check) -> None:
-    monkeypatch.setattr(runner, "all_checks", lambda: checks)
+    monkeypatch.runner["all_checks"] = lambda: checks
 
 
 def names(cases: list[Case]) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -31,7 +31,7 @@ from crosscheck.scene import (
 )
 from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import model_comparison, standard_error
-from crosscheck.verdict import Judgement, bounded, round_off, worst
+from crosscheck.verdict import Judged, bounded, round_off, worst
 
 Boundary: TypeAlias = Literal["periodic", "wall", "open", "hard"]
 
@@ -126,31 +126,29 @@ def _feature_scenes(dimension: int, seed: int) -> dict[str, Scene]:
 _FEATURES = tuple(_feature_scenes(2, 0))
 
 
-def _judge_specification(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_specification(laboratory: Laboratory, variant: str) -> Judged:
     """Windows of a run against algorithm v1.0, started from the run's own state at the window's start."""
     dimension, _, feature = variant.partition("-")
     scene = _feature_scenes(int(dimension[0]), laboratory.seed() % 2**31)[feature]
     trial = laboratory.run(scene.changed(duration=10.0, output=_counted(10.0)), EVENT_DRIVEN)
-    rate = (float(trial.tallies["collisions"][-1]) + float(np.sum(trial.tallies["wall_collisions"][-1]))) / 10.0
+    rate = (float(trial["collisions"][-1]) + float(np.sum(trial["wall_collisions"][-1]))) / 10.0
     # half a collision of each particle in a window: rounding has no time to grow
     window = 0.25 * _GRAINS / rate
     windows = int(np.ceil(COMPARED / (rate * window)))
     run = laboratory.run(scene.changed(duration=windows * window, output=_counted(window)), EVENT_DRIVEN)
-    assert run.positions is not None
-    assert run.velocities is not None
     apart, compared, counts = 0.0, 0.0, 0
     for k in range(windows):
-        spins = None if run.angular_velocities is None else run.angular_velocities[k]
-        start = _shifted(scene, float(run.time[k])).changed(
-            initial=explicit(wrapped(run.positions[k], scene.periods()), run.velocities[k], spins),
+        spins = run["angular_velocities"][k] if "angular_velocities" in run else None
+        start = _shifted(scene, float(run["time"][k])).changed(
+            initial=explicit(wrapped(run["positions"][k], scene.periods()), run["velocities"][k], spins),
             duration=window,
             output=Output(interval=window, observables=("collisions",)),
         )
         known = laboratory.run(start, _NAIVE, engine="refimpl")
-        apart = max(apart, float(np.abs(known.final_velocities - run.velocities[k + 1]).max()))
-        counts += int(known.tallies["collisions"][-1] != np.diff(run.tallies["collisions"][k : k + 2])[0])
-        compared += float(known.tallies["collisions"][-1]) + float(
-            np.sum(run.tallies["wall_collisions"][k + 1] - run.tallies["wall_collisions"][k])
+        apart = max(apart, float(np.abs(known["final_velocities"] - run["velocities"][k + 1]).max()))
+        counts += int(known["collisions"][-1] != np.diff(run["collisions"][k : k + 2])[0])
+        compared += float(known["collisions"][-1]) + float(
+            np.sum(run["wall_collisions"][k + 1] - run["wall_collisions"][k])
         )
         if counts or not apart < 1e-6 or compared >= COMPARED:  # the rest tells nothing more
             break
@@ -187,7 +185,7 @@ def _shifted(scene: Scene, time: float) -> Scene:
     return scene.changed(box=scene.box.model_copy(update={"faces": faces})) if faces else scene
 
 
-def _judge_schedulers(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_schedulers(laboratory: Laboratory, variant: str) -> Judged:
     """Final states of two schedulers after 1e5 collisions: not a bit may differ."""
     dimension = int(variant[0])
     scene = spheres(
@@ -204,7 +202,7 @@ def _judge_schedulers(laboratory: Laboratory, variant: str) -> Judgement:
         for name in ("", "_lists", "_calendar")
     ]
     differing = sum(
-        int(np.sum(run.final_positions != runs[0].final_positions) + np.sum(run.time != runs[0].time))
+        int(np.sum(run["final_positions"] != runs[0]["final_positions"]) + np.sum(run["time"] != runs[0]["time"]))
         for run in runs[1:]
     )
     return bounded(
@@ -212,7 +210,7 @@ def _judge_schedulers(laboratory: Laboratory, variant: str) -> Judgement:
         float(differing),
         0.0,
         "a pair's time is a function of the two states alone: no scheduler enters, not even by rounding",
-        note=f"100000 collisions of 1000 particles, to t = {runs[0].time[-1]:.6g}",
+        note=f"100000 collisions of 1000 particles, to t = {runs[0]['time'][-1]:.6g}",
     )
 
 
@@ -226,7 +224,7 @@ _WHY_MARGIN = (
 )
 
 
-def _judge_tree(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_tree(laboratory: Laboratory, variant: str) -> Judged:
     """Exact comparisons per event against N: which law fits them best."""
     scheme = "event_driven_lists" if variant == "lists" else "event_driven"
     costs, errors, other, times = [], [], [], []
@@ -237,7 +235,7 @@ def _judge_tree(laboratory: Laboratory, variant: str) -> Judgement:
         counts = tuple(4 * number + size * k for k in range(batches + 1))
         output = Output(collisions=counts, observables=("operation_counts", "events"))
         run = laboratory.run(scene.changed(output=output), Method(scheme=scheme))
-        operations, events = np.diff(run.tallies["operation_counts"][1:], axis=0), np.diff(run.tallies["events"][1:])
+        operations, events = np.diff(run["operation_counts"][1:], axis=0), np.diff(run["events"][1:])
         per_event = operations / events[:, None]
         costs.append(per_event[:, 0].mean())
         errors.append(float(standard_error(per_event[:, 0])))
@@ -281,7 +279,7 @@ def _judge_tree(laboratory: Laboratory, variant: str) -> Judgement:
     )
 
 
-def _judge_calendar(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_calendar(laboratory: Laboratory, variant: str) -> Judged:
     """Exact comparisons per event of the calendar queue, the start included: they must not grow."""
     sizes, batches = SIZES[:7], 20
     costs, errors = [], []
@@ -290,7 +288,7 @@ def _judge_calendar(laboratory: Laboratory, variant: str) -> Judgement:
         counts = tuple(10 * number // batches * k for k in range(1, batches + 1))
         output = Output(collisions=counts, observables=("operation_counts", "events"))
         run = laboratory.run(scene.changed(output=output), Method(scheme="event_driven_calendar"))
-        comparisons, events = run.tallies["operation_counts"][:, 0], run.tallies["events"]
+        comparisons, events = run["operation_counts"][:, 0], run["events"]
         costs.append(float(comparisons[-1] / events[-1]))
         later = np.diff(comparisons[1:]) / np.diff(events[1:])  # of equilibrium: the start scatters in no known way
         errors.append(float(standard_error(later)))
@@ -314,7 +312,7 @@ def _judge_calendar(laboratory: Laboratory, variant: str) -> Judgement:
     )
 
 
-def _judge_naive(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_naive(laboratory: Laboratory, variant: str) -> Judged:
     """CPU time per event of algorithm v1.0 against N."""
     sizes = (128, 256, 512, 1024, 2048)
     times, errors = [], []
@@ -373,29 +371,27 @@ def _overlap(scene: Scene, positions: Floats) -> float:
 
 
 def _energy_error(run: Run) -> float:
-    assert run.kinetic_energy is not None
-    return float(np.abs(run.kinetic_energy / run.kinetic_energy[0] - 1).max())
+    return float(np.abs(run["kinetic_energy"] / run["kinetic_energy"][0] - 1).max())
 
 
-def _sound(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judgement:
+def _sound(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judged:
     """Nobody overlaps at a sample or a collision, and the energy of elastic grains is kept, but for rounding."""
     lengths, sizes = scene.lengths(), scene.diameters()
-    assert run.positions is not None
     assert lengths is not None
     assert sizes is not None
-    deepest = max(_overlap(scene, positions) for positions in run.positions)
+    deepest = max(_overlap(scene, positions) for positions in run["positions"])
     # positions lie on a grid of 2^-51 of the box, and times are rounded to it over a flight
     rounding = 32 * EPSILON * float(lengths.max() / sizes.min())
     # a sample is not wrapped: what has gone far is rounded as coarsely
-    coarse = 32 * EPSILON * float(max(lengths.max(), np.abs(run.positions).max()) / sizes.mean())
-    struck = float(run.tallies["deepest_overlap"][-1])
+    coarse = 32 * EPSILON * float(max(lengths.max(), np.abs(run["positions"]).max()) / sizes.mean())
+    struck = float(run["deepest_overlap"][-1])
     judgements = [
         round_off(f"{what}: deepest overlap, in diameters", deepest, coarse, "32 roundings of a coordinate"),
         # who was not seen in time is struck too deep
         round_off(f"{what}: deepest overlap at a collision", struck, rounding, "32 roundings of a coordinate"),
     ]
     if elastic:
-        collisions = float(run.tallies["collisions"][-1])
+        collisions = float(run["collisions"][-1])
         judgements.append(
             round_off(
                 f"{what}: relative change of the energy",
@@ -406,7 +402,7 @@ def _sound(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judgement
         )
     if run.stopped:
         judgements.append(bounded(f"{what}: {run.stopped}", 1.0, 0.0, "the run goes on to its end"))
-    return worst(judgements, f"{run.tallies['collisions'][-1]:.0f} collisions")
+    return worst(judgements, f"{run['collisions'][-1]:.0f} collisions")
 
 
 _RECORD: tuple[Observable, ...] = ("kinetic_energy", "collisions", "deepest_overlap")
@@ -416,7 +412,7 @@ def _recorded(samples: int, duration: float) -> Output:
     return Output(interval=duration / samples, observables=_RECORD, trajectory=True)
 
 
-def _judge_grazing(laboratory: Laboratory) -> Judgement:
+def _judge_grazing(laboratory: Laboratory) -> Judged:
     """Pairs that miss or touch by a part in 1e3 ... 1e13: a collision if and only if they come closer than sigma."""
     wrong = 0
     ladder = [sign * 10.0**-k for k in range(3, 14) for sign in (-1, 1)]
@@ -433,11 +429,11 @@ def _judge_grazing(laboratory: Laboratory) -> Judgement:
             output=Output(interval=20.0, observables=_RECORD, trajectory=True),
         )
         run = laboratory.run(scene, EVENT_DRIVEN)
-        wrong += int(run.tallies["collisions"][-1] != (miss < 0))
+        wrong += int(run["collisions"][-1] != (miss < 0))
     return bounded("grazing pairs judged wrongly", float(wrong), 0.0, f"{len(ladder)} pairs, a hit below sigma alone")
 
 
-def _judge_cradle(laboratory: Laboratory) -> Judgement:
+def _judge_cradle(laboratory: Laboratory) -> Judged:
     """Newton's cradle: a row of touching disks passes the velocity on to the last one, at once."""
     row = 20
     positions = tuple((3.0 + 1.0 * k + (0.0 if k else -1.5), 5.0) for k in range(row))
@@ -459,17 +455,17 @@ def _judge_cradle(laboratory: Laboratory) -> Judgement:
         [
             round_off(
                 "velocity that is not the last disk's",
-                float(np.abs(run.final_velocities - expected).max()),
+                float(np.abs(run["final_velocities"] - expected).max()),
                 4 * row * EPSILON,
                 "four roundings at each of the impacts of the row",
             ),
-            bounded("impacts beyond one a pair", float(run.tallies["collisions"][-1]) - (row - 1), 0.0, "exact"),
+            bounded("impacts beyond one a pair", float(run["collisions"][-1]) - (row - 1), 0.0, "exact"),
         ],
         "20 touching disks",
     )
 
 
-def _judge_simultaneous(laboratory: Laboratory) -> Judgement:
+def _judge_simultaneous(laboratory: Laboratory) -> Judged:
     """A square lattice whose columns all close in on each other: N/2 impacts at one time, again and again."""
     side = 32
     grid = np.stack(np.meshgrid(np.arange(side), np.arange(side), indexing="ij"), axis=-1).reshape(-1, 2)
@@ -491,13 +487,13 @@ def _judge_simultaneous(laboratory: Laboratory) -> Judgement:
     return worst(
         [
             _sound(scene, run, "columns"),
-            bounded("impacts too many or few", abs(float(run.tallies["collisions"][-1]) - expected), 0.0, "exact"),
+            bounded("impacts too many or few", abs(float(run["collisions"][-1]) - expected), 0.0, "exact"),
         ],
         "1024 disks",
     )
 
 
-def _judge_crystal(laboratory: Laboratory, dimension: int, fraction: float) -> Judgement:
+def _judge_crystal(laboratory: Laboratory, dimension: int, fraction: float) -> Judged:
     """A crystal at the highest packing: many collisions in a small room."""
     if dimension == 3:
         number, scene = 500, spheres(500, 1.0, laboratory.seed() % 2**31, box=Box(packing_fraction=fraction))
@@ -514,7 +510,7 @@ def _judge_crystal(laboratory: Laboratory, dimension: int, fraction: float) -> J
     return _sound(scene, run, f"packing fraction {fraction}")
 
 
-def _judge_ratio(laboratory: Laboratory, sizes: tuple[float, float], masses: tuple[float, float]) -> Judgement:
+def _judge_ratio(laboratory: Laboratory, sizes: tuple[float, float], masses: tuple[float, float]) -> Judged:
     """A few large, heavy disks among many small, light ones."""
     rng = np.random.default_rng(laboratory.seed())
     big, side = 4, 4.2 * sizes[0]
@@ -548,7 +544,7 @@ def _judge_ratio(laboratory: Laboratory, sizes: tuple[float, float], masses: tup
     return _sound(scene, laboratory.run(scene, EVENT_DRIVEN), f"sizes {sizes}, masses {masses}")
 
 
-def _judge_dead(laboratory: Laboratory) -> Judgement:
+def _judge_dead(laboratory: Laboratory) -> Judged:
     """Restitution 0, with the TC model: pairs that stay in contact, and clusters of them."""
     scene = spheres(
         400,
@@ -566,7 +562,7 @@ def _judge_dead(laboratory: Laboratory) -> Judgement:
 LONG = 70_000_000
 
 
-def _judge_long(laboratory: Laboratory) -> Judgement:
+def _judge_long(laboratory: Laboratory) -> Judged:
     """1e8 events: overlaps at 4000 samples and at every collision, and the energy."""
     samples = 4000
     scene = spheres(
@@ -580,7 +576,7 @@ def _judge_long(laboratory: Laboratory) -> Judgement:
     return _sound(scene, laboratory.run(scene, EVENT_DRIVEN), "1e8 events")
 
 
-def _judge_clock(laboratory: Laboratory) -> Judgement:
+def _judge_clock(laboratory: Laboratory) -> Judged:
     """Two disks that meet every 1000 units of time, to t = 1e9: the time of each collision is known in closed form."""
     length, duration = 1000.0, 1e9
     start = spheres(
@@ -594,12 +590,11 @@ def _judge_clock(laboratory: Laboratory) -> Judgement:
         output=Output(interval=duration / 10, observables=_RECORD, trajectory=True),
     )
     run = laboratory.run(start, EVENT_DRIVEN)
-    assert run.positions is not None
     # equal disks exchange velocities: each runs to and fro between its wall and the middle, 499 long, speed 1
     room = (length - 2.0) / 2
-    phase = (run.time + 249.75) % (2 * room)
+    phase = (run["time"] + 249.75) % (2 * room)
     expected = 0.5 + np.where(phase < room, phase, 2 * room - phase)
-    error = np.abs(run.positions[:, 0, 0] - expected).max()
+    error = np.abs(run["positions"][:, 0, 0] - expected).max()
     flights = duration / room
     return round_off(
         "error of a position at t = 1e9",
@@ -623,7 +618,7 @@ _CASES = {
 }
 
 
-def _judge_case(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_case(laboratory: Laboratory, variant: str) -> Judged:
     return _CASES[variant](laboratory)
 
 
@@ -647,7 +642,7 @@ LINEAR_SCAN = Fault(
 )
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="events/specification",
         title="The fast algorithm against the naive one, over 10000 events, feature by feature",
         equation="predict all pairs, take the earliest, advance everybody, collide (v1.0)",
@@ -679,7 +674,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/schedulers",
         title="The tree, the documented lists and the calendar queue give the same events",
         equation="t_ij = f(r_i, v_i, tau_i, r_j, v_j, tau_j)",
@@ -701,7 +696,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/cost",
         title="Operations per event against the number of particles: O(log N)",
         equation="comparisons per event = a + b ln N",
@@ -718,7 +713,7 @@ CHECKS = (
         tier="full",
         timing=True,
     ),
-    Check(
+    legacy_check(
         name="events/cost-calendar",
         title="Comparisons per event of the calendar queue against the number of particles: O(1)",
         equation="comparisons per event = a",
@@ -740,7 +735,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/cost-naive",
         title="Time per event of the naive algorithm: O(N^2)",
         equation="t = a + b N^2",
@@ -763,7 +758,7 @@ CHECKS = (
         tier="full",
         timing=True,
     ),
-    Check(
+    legacy_check(
         name="events/robustness",
         title="Hard cases: grazing, simultaneous, dense, unequal, dead, long",
         equation="|r_i - r_j| >= sigma_ij at all times; sum m v^2/2 = const for elastic grains",

@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import hard_spheres as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import independent_mean, standard_error
-from crosscheck.verdict import Judgement, statistical, worst
+from crosscheck.verdict import Judged, Judgement, statistical, worst
 
 MASS, SIZE = 50.0, 3.0
 
@@ -135,12 +135,11 @@ def _decays(laboratory: Laboratory, dimension: int, bath: Bath, longest: float) 
 
 def _tracers(scene: Scene, run: Run) -> Floats:
     """Velocities of the large particles, (samples, tracers, d); the first tenth, near the lattice, is left out."""
-    assert run.velocities is not None
     large = np.array(scene.species) == 1
-    return np.asarray(run.velocities[len(run.time) // 10 :, large])
+    return np.asarray(run["velocities"][len(run["time"]) // 10 :, large])
 
 
-def _judge(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge(laboratory: Laboratory, variant: str) -> Judged:
     """Initial decay and equipartition, in space also the decay after 1/gamma; the runs are the independent samples."""
     dimension, bath = int(variant[0]), BATHS[variant]
     known = theory(dimension, bath)
@@ -267,7 +266,7 @@ def _speed_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
 
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="events/brownian",
         title="Brownian motion: friction, velocity autocorrelation and speeds of a heavy particle in a bath",
         equation="C(t) = <v_x(0) v_x(t)> ~ (T/M) exp(-gamma t), Enskog's gamma; <v^2> = d T/M (1 - M/M_total)",

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed, legacy_check
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -34,7 +34,7 @@ from crosscheck.scene import (
     explicit,
 )
 from crosscheck.statistics import independent_mean, standard_error
-from crosscheck.verdict import Judgement, bounded, round_off, statistical, within, worst
+from crosscheck.verdict import Judged, bounded, round_off, statistical, within, worst
 
 Floats = NDArray[np.float64]
 
@@ -139,10 +139,9 @@ def _cool(
             output=Output(collisions=tuple(counts.tolist()), observables=tuple(observables)),
         )
         run = laboratory.run(scene, EVENT_DRIVEN)
-        assert run.kinetic_energy is not None
-        spin = run.tallies["rotational_energy"] if friction else np.zeros_like(run.kinetic_energy)
-        times.append(run.time[1:])
-        kinetic.append((run.kinetic_energy - spin)[1:])
+        spin = run["rotational_energy"] if friction else np.zeros_like(run["kinetic_energy"])
+        times.append(run["time"][1:])
+        kinetic.append((run["kinetic_energy"] - spin)[1:])
         rotational.append(spin[1:])
     freedoms = dimension * (number - 1)
     turning = reference.rotational_freedoms(dimension) * number
@@ -161,7 +160,7 @@ def _cumulant(alpha: float, dimension: int) -> Estimate:
     return known or Estimate(reference.fourth_cumulant(alpha, dimension), 0.004)
 
 
-def _judge_haff(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_haff(laboratory: Laboratory, variant: str) -> Judged:
     dimension, alpha = int(variant[0]), float(variant[3:])
     packing, loss = PACKINGS[dimension, alpha], (1 - alpha**2) / dimension
     gas = _cool(laboratory, dimension, alpha, None, packing, loss, min(2.8 / loss, 150.0), WARM)
@@ -224,7 +223,7 @@ _ROUGH = {
 }
 
 
-def _judge_rough(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_rough(laboratory: Laboratory, variant: str) -> Judged:
     dimension, q, alpha, alpha_t = case = _ROUGH[variant]
     ratio, packing = reference.ROUGH_RATIOS[case], ROUGH_PACKINGS[dimension]
     closure = reference.rough_ratio(alpha, alpha_t, q, dimension)
@@ -326,19 +325,18 @@ def _impacts(pairs: list[_Pair], dimension: int) -> Scene:
     )
 
 
-def _spatial(rows: Floats | None, spin: bool = False) -> Floats:
+def _spatial(rows: Floats, spin: bool = False) -> Floats:
     """(N, 1 | 2 | 3) as (N, 3); the one component of a spin is the third."""
-    assert rows is not None
     missing = 3 - rows.shape[1]
     return np.pad(rows, ((0, 0), (missing, 0) if spin else (0, missing)))
 
 
-def _judge_oblique(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_oblique(laboratory: Laboratory, variant: str) -> Judged:
     dimension = int(variant[0])
     pairs = _pairs(dimension, laboratory.seed())
     run = laboratory.run(_impacts(pairs, dimension), EVENT_DRIVEN)
-    places, velocities = _spatial(run.final_positions), _spatial(run.final_velocities)
-    spins = _spatial(run.final_angular_velocities, spin=True)
+    places, velocities = _spatial(run["final_positions"]), _spatial(run["final_velocities"])
+    spins = _spatial(run["final_angular_velocities"], spin=True)
     errors, lost, sliding, points = [], [], 0, []
     for k, pair in enumerate(pairs):
         one, two = pair.bodies
@@ -507,7 +505,7 @@ def _start(variant: str) -> tuple[Floats, Floats, bool, float]:
     return gaps, np.full(number, -1.0), True, reference.wall_collapse(number)
 
 
-def _judge_collapse(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_collapse(laboratory: Laboratory, variant: str) -> Judged:
     gaps, velocities, wall, limit = _start(variant)
     below, above = (0.07, 0.073) if variant == "three" else (0.97 * limit, 1.03 * limit)
     exact = line_collisions(gaps, velocities, below, wall)
@@ -523,7 +521,7 @@ def _judge_collapse(laboratory: Laboratory, variant: str) -> Judgement:
     )  # fmt: skip
     sound = line_collisions(gaps, velocities, above, wall)
     run = laboratory.run(_row(gaps, velocities, above, wall, duration=2 * float(sound.times[-1])), EVENT_DRIVEN)
-    hits = run.tallies["collisions"][-1] + run.tallies["wall_collisions"][-1].sum()
+    hits = run["collisions"][-1] + run["wall_collisions"][-1].sum()
     none = within(
         "round_off", f"collisions until all part at alpha = {above:.4g}", float(hits), sound.pairs + sound.wall, 0.5,
         "a count: exact",
@@ -535,15 +533,14 @@ def _judge_collapse(laboratory: Laboratory, variant: str) -> Judgement:
 _CONTACT_DURATION = 1e-6
 
 
-def _judge_contact_duration(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_contact_duration(laboratory: Laboratory, variant: str) -> Judged:
     """The same rows with the TC model go on to their end."""
     gaps, velocities, wall, limit = _start(variant)
     alpha, duration = 0.9 * limit, 20.0
     scene = _row(gaps, velocities, alpha, wall, duration=duration, contact_duration=_CONTACT_DURATION)
     run = laboratory.run(scene, EVENT_DRIVEN)
-    assert run.kinetic_energy is not None
-    energy = run.kinetic_energy
-    last = float(run.time[np.isfinite(energy)][-1])
+    energy = run["kinetic_energy"]
+    last = float(run["time"][np.isfinite(energy)][-1])
     carries_on = within(
         "round_off", "time reached", last, duration, EPSILON * duration, "the run must end at its duration",
         note=run.stopped,
@@ -564,7 +561,7 @@ RESTITUTION_SQUARED = Fault(
 
 
 def _haff_check(name: str, tier: Any, variants: tuple[str, ...]) -> Check:
-    return Check(
+    return legacy_check(
         name=name,
         title="Homogeneous cooling of smooth grains: Haff's law",
         equation="T = T_0/(1 + zeta_0 t/2)^2 = T_0 exp(-(1 - alpha^2) s/d (1 + 3 a_2/16)/(1 - a_2/16)), "
@@ -581,7 +578,7 @@ def _haff_check(name: str, tier: Any, variants: tuple[str, ...]) -> Check:
 CHECKS = (
     _haff_check("events/haff", "quick", ("2d-0.9",)),
     _haff_check("events/haff-series", "full", tuple(f"{d}d-{a:g}" for d, a in PACKINGS if (d, a) != (2, 0.9))),
-    Check(
+    legacy_check(
         name="events/haff-rough",
         title="Homogeneous cooling of rough grains: rotational against translational temperature",
         equation="dln T_rot/dt = dln T_tr/dt, constant alpha and alpha_t",
@@ -603,7 +600,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/oblique-impact",
         title="Oblique impacts of rough grains: from sticking to sliding",
         equation="J_n = (1 + alpha) mu |g_n|; |J_t| = (1 - alpha_t) q/(1 + q) mu |g_t|, or mu_k J_n if above mu_s J_n",
@@ -625,7 +622,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/inelastic-collapse",
         title="Inelastic collapse on a line: three particles, and N thrown at a wall",
         equation="alpha < 7 - 4 sqrt 3; alpha < tan^2(pi/4 (1 - 1/N))",
@@ -636,7 +633,7 @@ CHECKS = (
         faults=(("wall-5", RESTITUTION_SQUARED),),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/contact-duration",
         title="The TC model carries a run through an inelastic collapse",
         equation="alpha = 1 for who has collided less than t_c ago",

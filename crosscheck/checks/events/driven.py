@@ -38,7 +38,7 @@ from crosscheck.scene import (
 )
 from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import Mean, correlated_mean, standard_error
-from crosscheck.verdict import FALSE_ALARM, Judgement, bounded, round_off, statistical, worst
+from crosscheck.verdict import FALSE_ALARM, Judged, Judgement, bounded, round_off, statistical, worst
 
 #: Stretches that a steady state is measured in.
 STRETCHES = 16
@@ -54,18 +54,18 @@ def _mean(values: ArrayLike, quantity: str, expected: float, needed: float, why:
 
 def _last(runs: list[Run], name: str) -> Floats:
     """A tally at the end of each stretch."""
-    return np.array([run.tallies[name][-1] for run in runs])
+    return np.array([run[name][-1] for run in runs])
 
 
 def _field(runs: list[Run], name: str) -> Floats:
     """A field of each stretch, (stretches, ...)."""
-    return np.array([run.tallies[f"field_{name}"] for run in runs])
+    return np.array([run[f"field_{name}"] for run in runs])
 
 
 def _budget(runs: list[Run]) -> Judgement:
     """K + U changes by what walls give less what pairs dissipate."""
     defects = [energy_defect(run) for run in runs]
-    events = max(float(run.tallies["events"][-1]) for run in runs)
+    events = max(float(run["events"][-1]) for run in runs)
     return round_off(
         "change of K + U - walls' work + dissipated, over the largest term",
         max(defect / size for defect, size in defects),
@@ -83,7 +83,7 @@ def snapshot_figure(
     title: str, run: Run, frame: Frame | RoundFrame, period: float, values: Floats, label: str
 ) -> Figure:
     """Disks of diameter 1 at the end of a run, coloured by `values`; period: of x, or 0."""
-    x, y = wrapped(run.final_positions, np.array([period, 0.0])).T
+    x, y = wrapped(run["final_positions"], np.array([period, 0.0])).T
     ends = (0.0, float(np.nanquantile(values, 0.98)))
     return Figure(title, "x", "y", snapshot=Snapshot(x.tolist(), y.tolist(), 0.5, frame, values.tolist(), label, ends))
 
@@ -93,7 +93,7 @@ def _local_temperature(run: Run, reach: float, period: float) -> Floats:
     from scipy.spatial import cKDTree
 
     periods = np.array([period, 0.0])
-    x, v = wrapped(run.final_positions, periods), run.final_velocities
+    x, v = wrapped(run["final_positions"], periods), run["final_velocities"]
     near = cKDTree(x, boxsize=periods)
     groups = [near.query_ball_point(place, reach) for place in x]
     return np.array([0.5 * v[group].var(axis=0).sum() if len(group) > 1 else math.nan for group in groups])
@@ -121,7 +121,7 @@ def _bed(seed: int) -> Scene:
     )
 
 
-def _judge_bed(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_bed(laboratory: Laboratory, variant: str) -> Judged:
     return _judge_column(laboratory) if variant == "elastic" else _judge_shaken(laboratory)
 
 
@@ -143,7 +143,7 @@ def _hydrostatic(scene: Scene, runs: list[Run], mass: Floats) -> Judgement:
     )
 
 
-def _judge_shaken(laboratory: Laboratory) -> Judgement:
+def _judge_shaken(laboratory: Laboratory) -> Judged:
     scene = _bed(laboratory.seed())
     runs = run_on(laboratory, scene, STRETCHES, 500.0)
     z, step, mass = _heights(scene, runs)
@@ -183,7 +183,7 @@ def _judge_shaken(laboratory: Laboratory) -> Judgement:
         _map("Bed: packing fraction", cells * math.pi / 4, frame, "packing fraction, by centres"),
         _map("Bed: temperature", temperature(*total), frame, "T"),
         snapshot_figure(
-            "Bed: grains", runs[-1], frame, width, np.linalg.norm(runs[-1].final_velocities, axis=1), "speed"
+            "Bed: grains", runs[-1], frame, width, np.linalg.norm(runs[-1]["final_velocities"], axis=1), "speed"
         ),
         snapshot_figure(
             "Bed: granular temperature",
@@ -257,7 +257,7 @@ def fixed_energy(height: ArrayLike, number: int, temperature: float) -> Floats:
     return np.asarray(np.exp(-z / temperature) - np.maximum(1 - z / ((power + 1) * temperature), 0.0) ** power)
 
 
-def _judge_column(laboratory: Laboratory) -> Judgement:
+def _judge_column(laboratory: Laboratory) -> Judged:
     """K and U share the energy as their numbers of freedoms, 2N - 1 and 2N, times the non-ideal part of U."""
     number, width, warmth = 200, 20.0, 50.0
     scene = column(number, width, warmth, 1500.0, laboratory.seed())
@@ -344,7 +344,7 @@ def _channel(seed: int) -> Scene:
     )
 
 
-def _judge_channel(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_channel(laboratory: Laboratory, variant: str) -> Judged:
     scene = _channel(laboratory.seed())
     assert scene.acceleration is not None
     runs = run_on(laboratory, scene, STRETCHES, 400.0)
@@ -441,15 +441,14 @@ def surface_angle(positions: Floats, middle: Floats, radius: float) -> float:
     return float(np.degrees(np.arctan2(along[1], along[0]) + np.arctan(slope)))
 
 
-def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_drum(laboratory: Laboratory, variant: str) -> Judged:
     contact = 2e-4
     runs = [run_whole(laboratory, drum_scene(laboratory.seed(f"drum-{part}"), contact / part)) for part in (1, 2)]
     skip = round(15.0 / DRUM_SAMPLE)
     middle = np.full(2, DRUM_RADIUS)
     series = []
     for run in runs:
-        assert run.positions is not None
-        series.append(np.array([surface_angle(x, middle, DRUM_RADIUS) for x in run.positions]))
+        series.append(np.array([surface_angle(x, middle, DRUM_RADIUS) for x in run["positions"]]))
     angles = [correlated_mean(one[skip:]) for one in series]
     halves = [correlated_mean(one) for one in np.array_split(series[0][skip:], 2)]
     judgements = [
@@ -469,12 +468,12 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
         judgements += _drum_balances(run, skip)
     frame = RoundFrame(DRUM_RADIUS, DRUM_RADIUS, DRUM_RADIUS)
     run = runs[0]
-    t = run.tallies
+    t = run
     inside = t["field_mass"] > 0.02 * t["field_mass"].max()
     hot = np.where(inside, temperature(t["field_mass"], t["field_momentum"], t["field_kinetic"]), math.nan)
-    share = t["field_mass"] / run.time[-1] * (math.pi / 4) / (DRUM_RADIUS / 8) ** 2
+    share = t["field_mass"] / run["time"][-1] * (math.pi / 4) / (DRUM_RADIUS / 8) ** 2
     figures = (
-        snapshot_figure("Drum: grains", run, frame, 0.0, np.linalg.norm(run.final_velocities, axis=1), "speed"),
+        snapshot_figure("Drum: grains", run, frame, 0.0, np.linalg.norm(run["final_velocities"], axis=1), "speed"),
         snapshot_figure(
             "Drum: granular temperature", run, frame, 0.0, _local_temperature(run, 2.0, 0.0), "T of the neighbours"
         ),
@@ -485,12 +484,12 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
             "time",
             "degrees",
             series=tuple(
-                Series(label, run.time[10:].tolist(), one[10:].tolist())
+                Series(label, run["time"][10:].tolist(), one[10:].tolist())
                 for label, one in zip(("t_c", "t_c/2"), series, strict=True)
             ),
         ),
     )
-    collisions = " and ".join(f"{int(run.tallies['collisions'][-1])}" for run in runs)
+    collisions = " and ".join(f"{int(run['collisions'][-1])}" for run in runs)
     note = f"angle {angles[0].value:.2f} +- {angles[0].error:.2f} degrees; {collisions} collisions"
     return worst(judgements, note, figures)
 
@@ -503,11 +502,10 @@ def _difference(quantity: str, one: Mean, other: Mean, why: str, doubt: float = 
 
 def _drum_balances(run: Run, skip: int) -> list[Judgement]:
     """Of the steady part: the walls' work against the dissipated, their torque against that of the weight."""
-    t = run.tallies
-    assert run.positions is not None
+    t = run
     given, lost = np.diff(t["wall_energy"][skip:, 4]), np.diff(t["dissipated_energy"][skip:])
     torque = np.diff(t["wall_torque"][skip:]) / DRUM_SAMPLE
-    lever = (run.positions[skip:, :, 0] - DRUM_RADIUS).sum(axis=1)
+    lever = (run["positions"][skip:, :, 0] - DRUM_RADIUS).sum(axis=1)
     lever = 0.5 * (lever[1:] + lever[:-1])
     why = "standard error of the correlated series of samples"
     supplied = _DRUM_SPEED * (t["wall_torque"][-1] - t["wall_torque"][0])
@@ -579,7 +577,7 @@ def _slab(dimension: Literal[2, 3], seed: int) -> Scene:
 _EDGE = 2
 
 
-def _judge_heat(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_heat(laboratory: Laboratory, variant: str) -> Judged:
     dimension: Literal[2, 3] = 2 if variant == "2d" else 3
     scene = _slab(dimension, laboratory.seed())
     runs = run_on(laboratory, scene, STRETCHES, scene.duration)
@@ -721,7 +719,7 @@ def neighbour_share(density: float, reach: float) -> float:
     return one - two
 
 
-def _judge_snapshots(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_snapshots(laboratory: Laboratory, variant: str) -> Judged:
     scene = Scene(
         name="snapshots",
         dimension=2,
@@ -732,14 +730,13 @@ def _judge_snapshots(laboratory: Laboratory, variant: str) -> Judgement:
         output=Output(interval=10.0, observables=OBSERVABLES, trajectory=True),
     )
     run = run_whole(laboratory, scene)
-    assert run.positions is not None
     lengths = scene.lengths()
     assert lengths is not None
-    positions = run.positions[10:]
+    positions = run["positions"][10:]
     return _judge_modes(positions, lengths[0]) if variant == "modes" else _judge_clusters(positions, lengths[0])
 
 
-def _judge_modes(positions: Floats, length: float) -> Judgement:
+def _judge_modes(positions: Floats, length: float) -> Judged:
     measured, expected = [], []
     for mode in _MODES:
         wave = 2 * math.pi / length * np.array(mode)
@@ -773,7 +770,7 @@ def _judge_modes(positions: Floats, length: float) -> Judgement:
     )
 
 
-def _judge_clusters(positions: Floats, length: float) -> Judgement:
+def _judge_clusters(positions: Floats, length: float) -> Judged:
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree

@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
-from crosscheck.engines.protocol import Run
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
+from crosscheck.engines.protocol import Kind, Run
 from crosscheck.errors import EngineError
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
@@ -29,7 +29,7 @@ from crosscheck.scene import (
 )
 from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import correlated_mean
-from crosscheck.verdict import Judgement, bounded, round_off, statistical, worst
+from crosscheck.verdict import Judged, Judgement, bounded, round_off, statistical, worst
 
 #: Asked for by all driven scenes, so that they share their kernels.
 OBSERVABLES: tuple[Observable, ...] = (
@@ -48,7 +48,9 @@ OBSERVABLES: tuple[Observable, ...] = (
 # -- runs in a row ---------------------------------------------------------------------------------
 
 
-def run_whole(laboratory: Laboratory, scene: Scene, method: Method = EVENT_DRIVEN, engine: str | None = None) -> Run:
+def run_whole(
+    laboratory: Laboratory, scene: Scene, method: Method | Kind = EVENT_DRIVEN, engine: str | None = None
+) -> Run:
     """The scene for all of its duration; EngineError if it ended early, by inelastic collapse, or diverged."""
     run = laboratory.run(scene, method, engine)
     if run.stopped or run.diverged:
@@ -64,7 +66,7 @@ def run_on(laboratory: Laboratory, scene: Scene, stretches: int, warm_up: float)
     run = run_whole(laboratory, scene.changed(duration=warm_up, output=Output(), seed=laboratory.seed("warm-up")))
     found = []
     for stretch in range(stretches):
-        start = explicit(run.final_positions, run.final_velocities, run.final_angular_velocities)
+        start = explicit(run["final_positions"], run["final_velocities"], run.get("final_angular_velocities"))
         run = run_whole(laboratory, scene.changed(initial=start, seed=laboratory.seed(f"stretch-{stretch}")))
         found.append(run)
     return found
@@ -83,12 +85,10 @@ def temperature(mass: Floats, momentum: Floats, kinetic: Floats) -> Floats:
 
 def energy_defect(run: Run) -> tuple[float, float]:
     """Largest |change of K + U - (from walls - dissipated in pairs)| over the samples, and the largest term."""
-    assert run.kinetic_energy is not None
-    assert run.potential_energy is not None
-    energy = run.kinetic_energy + run.potential_energy
-    supplied, lost = run.tallies["wall_energy"].sum(axis=1), run.tallies["dissipated_energy"]
+    energy = run["kinetic_energy"] + run["potential_energy"]
+    supplied, lost = run["wall_energy"].sum(axis=1), run["dissipated_energy"]
     defect = energy - energy[0] - (supplied - lost)
-    sizes = [np.abs(term).max() for term in (run.kinetic_energy, run.potential_energy, supplied, lost)]
+    sizes = [np.abs(term).max() for term in (run["kinetic_energy"], run["potential_energy"], supplied, lost)]
     return float(np.abs(defect).max()), float(max(sizes))
 
 
@@ -106,7 +106,7 @@ def cell_budgets(run: Run, acceleration: Floats) -> dict[str, float]:
     mass: change = in through faces; momentum: also from walls, and g times the time integral of mass; energy: also
     from walls, g . (time integral of momentum), less the dissipated.
     """
-    t = run.tallies
+    t = run
     terms = {
         "mass": [_through_faces(t["field_flux_mass"])],
         "momentum": [
@@ -131,18 +131,16 @@ def cell_budgets(run: Run, acceleration: Floats) -> dict[str, float]:
 
 def cell_totals(run: Run, scene: Scene) -> dict[str, float]:
     """Defects of the sums over cells from what is known otherwise, each over its own size; run: two samples."""
-    state, t = scene.initial_state(), run.tallies
-    assert run.kinetic_energy is not None
-    assert run.potential_energy is not None
+    state, t = scene.initial_state(), run
     g = np.zeros(scene.dimension) if scene.acceleration is None else np.array(scene.acceleration)
-    positions, masses = run.final_positions, state.masses
+    positions, masses = run["final_positions"], state.masses
     lengths, shape = state.lengths, t["field_mass"].shape
     assert lengths is not None
     inside = wrapped(positions, scene.periods())
     edges = [np.linspace(0.0, length, count + 1) for length, count in zip(lengths, shape, strict=True)]
     field_energy = -float(masses @ positions @ g)
-    content = run.kinetic_energy[-1] + run.potential_energy[-1]
-    total_momentum = masses @ run.final_velocities
+    content = run["kinetic_energy"][-1] + run["potential_energy"][-1]
+    total_momentum = masses @ run["final_velocities"]
     cells = tuple(range(scene.dimension))
     pairs: dict[str, tuple[Floats, Floats]] = {
         "mass in cells": (t["field_final_mass"], np.histogramdd(inside, edges, weights=masses)[0]),
@@ -160,10 +158,10 @@ def cell_totals(run: Run, scene: Scene) -> dict[str, float]:
     }
     # what passes zero (momentum, energy) is measured by what has gone through it
     sizes = {
-        "momentum": float(np.abs(masses[:, None] * run.final_velocities).sum()),
-        "energy": abs(run.kinetic_energy[-1]) + abs(field_energy),
-        "dissipation": float(run.kinetic_energy[-1]),
-        "energy from walls": float(run.kinetic_energy[-1] + np.abs(t["wall_energy"][-1]).sum()),
+        "momentum": float(np.abs(masses[:, None] * run["final_velocities"]).sum()),
+        "energy": abs(run["kinetic_energy"][-1]) + abs(field_energy),
+        "dissipation": float(run["kinetic_energy"][-1]),
+        "energy from walls": float(run["kinetic_energy"][-1] + np.abs(t["wall_energy"][-1]).sum()),
         "momentum from walls": float(1.0 + np.abs(t["wall_impulse"][-1]).sum()),
     }
     return {
@@ -226,13 +224,13 @@ _BUDGETS = {"2d": _grains(2), "3d": _grains(3), "well": _square_well()}
 _WHY = "every event rounds each sum that it adds to by a unit of the last place of its size, at worst all alike"
 
 
-def _judge_budget(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_budget(laboratory: Laboratory, variant: str) -> Judged:
     scene = _BUDGETS[variant]
     assert isinstance(scene.initial, Lattice)
     scene = scene.changed(initial=scene.initial.model_copy(update={"seed": laboratory.seed()}))
     run = run_whole(laboratory, scene)
     g = np.array(scene.acceleration)
-    events = int(run.tallies["events"][-1])
+    events = int(run["events"][-1])
     tolerance = EPSILON * events
     judgements = [
         round_off(f"{name} of the worst cell: defect of its budget, over the largest term", error, tolerance, _WHY)
@@ -243,7 +241,7 @@ def _judge_budget(laboratory: Laboratory, variant: str) -> Judgement:
     judgements.append(round_off(f"sum over cells, worst: {name}; relative defect", totals[name], tolerance, _WHY))
     defect, size = energy_defect(run)
     judgements.append(round_off("energy of the whole: defect of its budget", defect / size, tolerance, _WHY))
-    return worst(judgements, f"{events} events, {run.tallies['field_mass'].size} cells")
+    return worst(judgements, f"{events} events, {run['field_mass'].size} cells")
 
 
 # -- exact averages --------------------------------------------------------------------------------
@@ -263,23 +261,21 @@ def column(number: int, width: float, kinetic: float, duration: float, seed: int
     )
 
 
-def _judge_integrals(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_integrals(laboratory: Laboratory, variant: str) -> Judged:
     return {"column": _judge_column, "free": _judge_free, "well": _judge_well}[variant](laboratory)
 
 
-def _judge_column(laboratory: Laboratory) -> Judgement:
+def _judge_column(laboratory: Laboratory) -> Judged:
     """Between wall hits U is a parabola, so the error of the trapezoidal rule has a bound without free numbers."""
     number, step, steps = 100, 0.02, 5000
     scene = column(number, 50.0, 5.0, step * steps, laboratory.seed())
     scene = scene.changed(output=Output(interval=step, observables=OBSERVABLES, fields=(1, 20)))
     run = run_whole(laboratory, scene)
-    assert run.kinetic_energy is not None
-    assert run.potential_energy is not None
-    hits = abs(float(run.tallies["wall_impulse"][-1, 2, 1]))
+    hits = abs(float(run["wall_impulse"][-1, 2, 1]))
     limit = number * scene.duration * step**2 / 12 + hits * step**2 / 8
     judgements = []
-    for name, sampled in (("potential", run.potential_energy), ("kinetic", run.kinetic_energy)):
-        exact = run.tallies[f"{name}_energy_integral"][-1]
+    for name, sampled in (("potential", run["potential_energy"]), ("kinetic", run["kinetic_energy"])):
+        exact = run[f"{name}_energy_integral"][-1]
         quadrature = step * (sampled.sum() - 0.5 * (sampled[0] + sampled[-1]))
         judgements.append(
             bounded(
@@ -290,22 +286,22 @@ def _judge_column(laboratory: Laboratory) -> Judgement:
                 note=f"integral {exact:.6g}",
             )
         )
-    total = run.tallies["potential_energy_integral"][-1] + run.tallies["kinetic_energy_integral"][-1]
-    energy = run.kinetic_energy[0] + run.potential_energy[0]
+    total = run["potential_energy_integral"][-1] + run["kinetic_energy_integral"][-1]
+    energy = run["kinetic_energy"][0] + run["potential_energy"][0]
     judgements.append(_constant_energy(total, energy, run, scene.duration))
-    return worst(judgements, f"potential energy integral {run.tallies['potential_energy_integral'][-1]:.6g}")
+    return worst(judgements, f"potential energy integral {run['potential_energy_integral'][-1]:.6g}")
 
 
 def _constant_energy(integral: float, energy: float, run: Run, duration: float) -> Judgement:
     return round_off(
         "time integral of K + U over E t, less 1: elastic",
         abs(integral / (energy * duration) - 1),
-        EPSILON * float(run.tallies["events"][-1]),
+        EPSILON * float(run["events"][-1]),
         _WHY,
     )
 
 
-def _judge_free(laboratory: Laboratory) -> Judgement:
+def _judge_free(laboratory: Laboratory) -> Judged:
     """Elastic, without a field: K is a constant."""
     scene = Scene(
         name="free",
@@ -317,14 +313,13 @@ def _judge_free(laboratory: Laboratory) -> Judgement:
         output=Output(interval=10.0, observables=OBSERVABLES),
     )
     run = run_whole(laboratory, scene)
-    assert run.kinetic_energy is not None
     judgement = _constant_energy(
-        run.tallies["kinetic_energy_integral"][-1], float(run.kinetic_energy[0]), run, scene.duration
+        run["kinetic_energy_integral"][-1], float(run["kinetic_energy"][0]), run, scene.duration
     )
-    return worst([judgement], f"{int(run.tallies['collisions'][-1])} collisions")
+    return worst([judgement], f"{int(run['collisions'][-1])} collisions")
 
 
-def _judge_well(laboratory: Laboratory) -> Judgement:
+def _judge_well(laboratory: Laboratory) -> Judged:
     """Wells make U jump: the error of dense samples is random, with mean 0, and independent from block to block."""
     block, blocks = 50, 200
     scene = _BUDGETS["well"]
@@ -336,11 +331,9 @@ def _judge_well(laboratory: Laboratory) -> Judgement:
         output=Output(interval=step, observables=OBSERVABLES, fields=scene.output.fields),
     )
     run = run_whole(laboratory, scene)
-    assert run.kinetic_energy is not None
-    assert run.potential_energy is not None
     judgements = []
-    for name, sampled in (("potential", run.potential_energy), ("kinetic", run.kinetic_energy)):
-        exact = np.diff(run.tallies[f"{name}_energy_integral"]) / step
+    for name, sampled in (("potential", run["potential_energy"]), ("kinetic", run["kinetic_energy"])):
+        exact = np.diff(run[f"{name}_energy_integral"]) / step
         middle = 0.5 * (sampled[1:] + sampled[:-1])
         gap = correlated_mean((exact - middle).reshape(blocks, block).mean(axis=1))
         average = float(exact.mean())
@@ -356,14 +349,14 @@ def _judge_well(laboratory: Laboratory) -> Judgement:
                 needed=5e-3,
             )
         )
-    total = run.tallies["potential_energy_integral"][-1] + run.tallies["kinetic_energy_integral"][-1]
-    energy = float(run.kinetic_energy[0] + run.potential_energy[0])
+    total = run["potential_energy_integral"][-1] + run["kinetic_energy_integral"][-1]
+    energy = float(run["kinetic_energy"][0] + run["potential_energy"][0])
     judgements.append(_constant_energy(total, energy, run, scene.duration))
-    return worst(judgements, f"{int(run.tallies['events'][-1])} events")
+    return worst(judgements, f"{int(run['events'][-1])} events")
 
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="events/fields-budget",
         title="Mass, momentum and energy of every cell: content, fluxes, walls, field and dissipation",
         equation="final - initial = sum over faces of what came in + walls + g int(m) dt, g.int(p) dt - dissipated",
@@ -406,7 +399,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/exact-averages",
         title="Time integrals of kinetic and potential energy, exact at events, against dense samples",
         equation="int U dt with U = -sum m g.x: parabolas between wall hits; K + U = E where nothing is lost",

@@ -30,7 +30,7 @@ from crosscheck.scene import (
     explicit,
 )
 from crosscheck.statistics import standard_error
-from crosscheck.verdict import Judgement, bounded, round_off, statistical, within, worst
+from crosscheck.verdict import Judged, bounded, round_off, statistical, within, worst
 
 Floats = NDArray[np.float64]
 Law = Literal["uniform", "flux"]
@@ -70,15 +70,13 @@ def _over_floor(
 
 def _vertical(run: Run) -> tuple[Floats, Floats]:
     """Heights and velocities, (samples, N)."""
-    assert run.positions is not None
-    assert run.velocities is not None
-    return run.positions[:, :, 1], run.velocities[:, :, 1]
+    return run["positions"][:, :, 1], run["velocities"][:, :, 1]
 
 
 # -- Zeno --------------------------------------------------------------------------------------------------------------
 
 
-def _judge_zeno(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_zeno(laboratory: Laboratory, variant: str) -> Judged:
     alpha = float(variant.removeprefix("e"))
     ball = reference.BouncingBall(1.0, alpha, _GRAVITY)
     scene = _over_floor(
@@ -92,12 +90,12 @@ def _judge_zeno(laboratory: Laboratory, variant: str) -> Judgement:
         "the clock's rounding d keeps a velocity of g d/(1 - e), and each impact may wait for twice that",
     )  # fmt: skip
     z, v = (values[:, 0] for values in _vertical(run))
-    bounce = run.tallies["wall_collisions"][:, _FLOOR]
+    bounce = run["wall_collisions"][:, _FLOOR]
     # flights that are longer than the interval are all seen
     seen = range(1 + int(np.log(ball.fall * 4000 / ball.rest) / -np.log(alpha)))
     first = [int(np.flatnonzero(bounce == k)[0]) for k in seen if (bounce == k).any()]
     z, v, k = z[first], v[first], bounce[first]
-    ends = run.time[first] + (v + np.sqrt(v * v + 2 * _GRAVITY * z)) / _GRAVITY
+    ends = run["time"][first] + (v + np.sqrt(v * v + 2 * _GRAVITY * z)) / _GRAVITY
     apexes = z + v * v / (2 * _GRAVITY)
     times = np.array([ball.impact_time(int(one) + 1) for one in k])
     late = round_off(
@@ -161,7 +159,7 @@ def _compare(state: tuple[float, float, float], found: tuple[float, float], omeg
     return float((error / (8 * (1 + exact.impacts) * size)).max()), exact.impacts
 
 
-def _judge_vibrating(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_vibrating(laboratory: Laboratory, variant: str) -> Judged:
     if variant.startswith("column"):
         return _judge_column(laboratory, float(variant.removeprefix("column-")))
     omega = float(variant) ** 0.5
@@ -169,15 +167,15 @@ def _judge_vibrating(laboratory: Laboratory, variant: str) -> Judgement:
     scene = _over_floor(floor, 1 + _DROPS, np.zeros(_DROPS.size), _INTERVAL * _SAMPLES, _INTERVAL)
     run = laboratory.run(scene, EVENT_DRIVEN)
     z, v = _vertical(run)
-    gap = float((z - np.cos(omega * run.time)[:, None]).min())
-    touch = 4 * EPSILON * float(_DROPS[-1] + 1 + omega * run.time[-1])
+    gap = float((z - np.cos(omega * run["time"])[:, None]).min())
+    touch = 4 * EPSILON * float(_DROPS[-1] + 1 + omega * run["time"][-1])
     above = bounded("deepest place below the floor", -gap, touch, "rounding of the coordinates and of the phase")
     if -gap > touch:
         return above
     worst_error, impacts = 0.0, 0
     for k in range(_SAMPLES):
         for ball in range(_DROPS.size):
-            start = (float(z[k, ball]), float(v[k, ball]), float(run.time[k]))
+            start = (float(z[k, ball]), float(v[k, ball]), float(run["time"][k]))
             error, number = _compare(start, (float(z[k + 1, ball]), float(v[k + 1, ball])), omega)
             worst_error, impacts = max(worst_error, error), impacts + number
     like = round_off(
@@ -186,7 +184,7 @@ def _judge_vibrating(laboratory: Laboratory, variant: str) -> Judgement:
         1.0,
         "in units of eight roundings an impact of height, velocity and time, through the derivatives of the flight",
     )
-    counted = float(run.tallies["wall_collisions"][-1, _FLOOR])
+    counted = float(run["wall_collisions"][-1, _FLOOR])
     all_hits = within("round_off", "impacts", counted, float(impacts), 0.5, "a count: none missed or doubled")
     return worst([above, like, all_hits], f"{_DROPS.size} balls, {_SAMPLES} intervals of {_INTERVAL:g}")
 
@@ -195,7 +193,7 @@ def _judge_vibrating(laboratory: Laboratory, variant: str) -> Judgement:
 _CONTACT_DURATION = 1e-2
 
 
-def _judge_column(laboratory: Laboratory, shaking: float) -> Judgement:
+def _judge_column(laboratory: Laboratory, shaking: float) -> Judged:
     """Inelastic disks between side walls on a floor with A = 0.5: nobody falls through it."""
     amplitude, omega, number = 0.5, (shaking / 0.5) ** 0.5, 60
     scene = Scene(
@@ -216,15 +214,14 @@ def _judge_column(laboratory: Laboratory, shaking: float) -> Judgement:
         output=Output(interval=0.05, observables=("wall_collisions", "collisions"), trajectory=True),
     )
     run = laboratory.run(scene, EVENT_DRIVEN)
-    assert run.positions is not None
-    x, y = run.positions[:, :, 0], run.positions[:, :, 1]
-    gaps = np.stack([y - 0.5 - amplitude * np.cos(omega * run.time)[:, None], x - 0.5, 5.5 - x])
+    x, y = run["positions"][:, :, 0], run["positions"][:, :, 1]
+    gaps = np.stack([y - 0.5 - amplitude * np.cos(omega * run["time"])[:, None], x - 0.5, 5.5 - x])
     deepest = float(0.0 - gaps.min()) if np.isfinite(gaps).all() else np.inf
     figure = Figure(
         f"shaken column, A omega^2/g = {shaking:g}", "x", "y",
         snapshot=Snapshot(
             x[-1].tolist(), y[-1].tolist(), 0.5,
-            Frame(0.0, 6.0, amplitude * float(np.cos(omega * run.time[-1])), 20.0, ("left", "right", "bottom")),
+            Frame(0.0, 6.0, amplitude * float(np.cos(omega * run["time"][-1])), 20.0, ("left", "right", "bottom")),
         ),
     )  # fmt: skip
     return bounded(
@@ -233,7 +230,7 @@ def _judge_column(laboratory: Laboratory, shaking: float) -> Judgement:
         # the phase omega t, and places of up to the height of the box
         4 * EPSILON * (20.0 + amplitude * omega * 10.0),
         "rounding of the coordinates and of the clock",
-        note=f"{run.tallies['wall_collisions'][-1, _FLOOR]:.0f} impacts on the floor, {run.cost.events} events; "
+        note=f"{run['wall_collisions'][-1, _FLOOR]:.0f} impacts on the floor, {run.cost.events} events; "
         f"{run.stopped or 'ran to its end'}",
         figures=(figure,),
     )
@@ -266,7 +263,7 @@ def random_visit_gain(speed: float, law: Law) -> float:
     return float(gains[-1])
 
 
-def _judge_random(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_random(laboratory: Laboratory, variant: str) -> Judged:
     law, speed = variant.split("-u")
     u = float(speed)
     assert law in ("uniform", "flux")
@@ -276,12 +273,12 @@ def _judge_random(laboratory: Laboratory, variant: str) -> Judgement:
         width=4.0 * GRAINS,
     )  # fmt: skip
     run = laboratory.run(scene, EVENT_DRIVEN)
-    gains = 0.5 * (run.final_velocities[:, 1] ** 2 - u * u)
+    gains = 0.5 * (run["final_velocities"][:, 1] ** 2 - u * u)
     single = {"uniform": reference.uniform_phase_gain, "flux": reference.flux_phase_gain}[law](u, 1.0)
     visit = random_visit_gain(u, law)  # type: ignore[arg-type]
-    hits = float(run.tallies["wall_collisions"][-1, _FLOOR]) / GRAINS
+    hits = float(run["wall_collisions"][-1, _FLOOR]) / GRAINS
     expected, error = (single, 0.0) if u >= 2 else (visit, 1e-3)
-    plates = (run.final_velocities[:, 1] - u) / 2
+    plates = (run["final_velocities"][:, 1] - u) / 2
     figures = _plate_figures(plates, u, f"{law} phases, u = {u:g}") if u >= 2 else ()
     return statistical(
         "mean energy gained in a visit to the wall",
@@ -351,7 +348,7 @@ def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> Visits:
     return Visits(energies - 0.5 * u * u, np.sqrt(2 * np.maximum(energies, 0.0)), 1 - float(finished.mean()))
 
 
-def _judge_limit(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_limit(laboratory: Laboratory, variant: str) -> Judged:
     u = float(variant.removeprefix("u"))
     visits = [_visit_floor(laboratory, u, amplitude) for amplitude in AMPLITUDES]
     means = np.array([float(visit.gains.mean()) for visit in visits])
@@ -388,7 +385,7 @@ def _judge_limit(laboratory: Laboratory, variant: str) -> Judgement:
 # -- sawtooth ----------------------------------------------------------------------------------------------------------
 
 
-def _judge_sawtooth(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_sawtooth(laboratory: Laboratory, variant: str) -> Judged:
     """The floor stays at z = 0 and always has the velocity V0; one impact of each grain."""
     e = float(variant.removeprefix("e"))
     u = np.geomspace(0.2, 20.0, 40)
@@ -396,7 +393,7 @@ def _judge_sawtooth(laboratory: Laboratory, variant: str) -> Judgement:
     heights, velocities = u * fall - _GRAVITY * fall**2 / 2, -u + _GRAVITY * fall
     scene = _over_floor(Face(velocity=1.0, restitution=e), heights, velocities, 1.25, 1.25)
     run = laboratory.run(scene, EVENT_DRIVEN)
-    after = 0.5 * run.final_velocities[:, 1] ** 2 + _GRAVITY * run.final_positions[:, 1]
+    after = 0.5 * run["final_velocities"][:, 1] ** 2 + _GRAVITY * run["final_positions"][:, 1]
     gains = after - (0.5 * velocities**2 + _GRAVITY * heights)
     expected = np.array([reference.sawtooth_gain(float(one), 1.0, e) for one in u])
     rounding = 16 * EPSILON * float(u.max() ** 2)
@@ -407,11 +404,11 @@ def _judge_sawtooth(laboratory: Laboratory, variant: str) -> Judgement:
         "of velocities and heights on the way, in units of the largest energy",
     )
     together = within(
-        "round_off", "energy given by the floor", float(run.tallies["wall_energy"][-1, _FLOOR]), float(expected.sum()),
+        "round_off", "energy given by the floor", float(run["wall_energy"][-1, _FLOOR]), float(expected.sum()),
         rounding * u.size, "that of each grain",
     )  # fmt: skip
     once = within(
-        "round_off", "impacts", float(run.tallies["wall_collisions"][-1, _FLOOR]), float(u.size), 0.5,
+        "round_off", "impacts", float(run["wall_collisions"][-1, _FLOOR]), float(u.size), 0.5,
         "one of each grain",
     )  # fmt: skip
     return worst([each, together, once], f"e = {e:g}, u = 0.2 ... 20 V0")

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Tier, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Tier, fixed, legacy_check
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -17,7 +17,7 @@ from crosscheck.references import EPSILON
 from crosscheck.references import hard_spheres as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, explicit
 from crosscheck.statistics import Mean, correlated_mean, standard_error
-from crosscheck.verdict import FALSE_ALARM, Judgement, bounded, round_off, statistical, worst
+from crosscheck.verdict import FALSE_ALARM, Judged, Judgement, bounded, round_off, statistical, worst
 
 #: Of every scene here: what is asked for selects the compiled loop, and one is enough.
 TALLIES: tuple[Observable, ...] = ("collisions", "collisional_virial", "wall_impulse", "wall_collisions")
@@ -68,7 +68,7 @@ def _in_blocks(duration: float, trajectory: bool = False) -> Output:
 
 def _rates(run: Run, tally: Floats) -> Floats:
     """Growth per time of a cumulative sum, in each interval after the run has settled."""
-    return np.asarray((np.diff(tally) / np.diff(run.time))[SETTLING:])
+    return np.asarray((np.diff(tally) / np.diff(run["time"]))[SETTLING:])
 
 
 # -- speeds --------------------------------------------------------------------------------------------
@@ -92,15 +92,14 @@ DILUTE = 0.01
 MEETING_AGAIN = 0.1
 
 
-def _judge_speeds(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_speeds(laboratory: Laboratory, variant: str) -> Judged:
     d, number, runs, needed = SPEEDS[variant]
     output = Output(collisions=tuple(round(c * number) for c in COUNTS), observables=TALLIES, trajectory=True)
     speeds = np.empty((runs, len(COUNTS), number))
     for one in range(runs):
         scene = gas(d, number, DILUTE, laboratory.seed(str(one)), output, 1e9, hard=True, speed=1.0)
         run = laboratory.run(scene, EVENT_DRIVEN)
-        assert run.velocities is not None
-        speeds[one] = np.linalg.norm(run.velocities[1:], axis=2)
+        speeds[one] = np.linalg.norm(run["velocities"][1:], axis=2)
     squares = speeds**2
     ratios = (squares**2).mean(axis=2) / squares.mean(axis=2) ** 2
     means, errors = ratios.mean(axis=0), standard_error(ratios)
@@ -206,24 +205,22 @@ def _wall_pressure(scene: Scene, run: Run) -> Pressure:
     virial W and the change of the last term. That change is bounded, and most of the noise in the impulses: it is added
     to them here. Without collisions nothing but 2 K t is left.
     """
-    assert run.positions is not None
-    assert run.velocities is not None
     lengths = scene.lengths()
     assert lengths is not None
     length = float(lengths[0])
     outwards = np.array([-1.0, 1.0, -1.0, 1.0])
-    pushed = run.tallies["wall_impulse"][:, [0, 1, 2, 3], [0, 0, 1, 1]] @ outwards
-    hits, virial = run.tallies["wall_collisions"].sum(axis=1), run.tallies["collisional_virial"]
-    moment = ((run.positions - length / 2) * run.velocities).sum(axis=(1, 2))
-    kinetic = 0.5 * float((run.velocities[0] ** 2).sum())
-    right = 2 * kinetic * run.time + virial - (moment - moment[0])
+    pushed = run["wall_impulse"][:, [0, 1, 2, 3], [0, 0, 1, 1]] @ outwards
+    hits, virial = run["wall_collisions"].sum(axis=1), run["collisional_virial"]
+    moment = ((run["positions"] - length / 2) * run["velocities"]).sum(axis=(1, 2))
+    kinetic = 0.5 * float((run["velocities"][0] ** 2).sum())
+    right = 2 * kinetic * run["time"] + virial - (moment - moment[0])
     residual = np.abs(0.5 * (length - 1) * pushed - right).max() / right[-1]
     complete = pushed + 2 * moment / (length - 1)
     per_hit = (np.diff(pushed) / np.diff(hits))[SETTLING:]
     return Pressure(
         correlated_mean(_rates(run, complete) / (4 * length)),
         float(residual),
-        EPSILON * float(run.tallies["collisions"][-1] + hits[-1]),
+        EPSILON * float(run["collisions"][-1] + hits[-1]),
         correlated_mean(per_hit),
     )
 
@@ -235,7 +232,7 @@ def _walled(density: float, speed: float, collisions: float, seed: int) -> Scene
     return gas(2, WALLED, density, seed, _in_blocks(duration, True), duration, hard=True, speed=speed)
 
 
-def _judge_pressure(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_pressure(laboratory: Laboratory, variant: str) -> Judged:
     if variant == "speeds":
         return _judge_scaling(laboratory)
     density = float(variant.removeprefix("n"))
@@ -289,7 +286,7 @@ def _pressure_figure(density: float, value: float, error: float) -> Figure:
     )  # fmt: skip
 
 
-def _judge_scaling(laboratory: Laboratory) -> Judgement:
+def _judge_scaling(laboratory: Laboratory) -> Judged:
     """V0 sets the unit of time alone: the same trajectory until chaos, p ~ V0^2 afterwards."""
     seed = laboratory.seed()
     pressures = []
@@ -335,9 +332,7 @@ def _same_events(laboratory: Laboratory, seed: int) -> Judgement:
 
 def _separation(one: Run, two: Run) -> float:
     """Largest rms distance of the same particle in two runs."""
-    assert one.positions is not None
-    assert two.positions is not None
-    return float(np.sqrt(((one.positions - two.positions) ** 2).mean(axis=(1, 2))).max())
+    return float(np.sqrt(((one["positions"] - two["positions"]) ** 2).mean(axis=(1, 2))).max())
 
 
 def _scaling_figure(p: Floats, u: Floats) -> Figure:
@@ -367,7 +362,7 @@ def _periodic(laboratory: Laboratory, dimension: int, eta: float, number: int, c
     return laboratory.run(scene, EVENT_DRIVEN)
 
 
-def _judge_state(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_state(laboratory: Laboratory, variant: str) -> Judged:
     """Z from impulses; and from the number of collisions, which differ by the mean impulse of a collision."""
     if variant == QUICK_POINT:
         (d, eta), collisions, needed = (3, reference.packing_fraction(0.4, 3)), QUICK_COLLISIONS, 0.012
@@ -375,8 +370,8 @@ def _judge_state(laboratory: Laboratory, variant: str) -> Judgement:
         (d, eta), collisions, needed = POINTS[variant], STATE_COLLISIONS, 0.02 if "0.65" in variant else 0.005
     number = PERIODIC[d]
     run = _periodic(laboratory, d, eta, number, collisions)
-    virial = _rates(run, run.tallies["collisional_virial"]) / (d * number)
-    rate = 2 * _rates(run, run.tallies["collisions"]) / number
+    virial = _rates(run, run["collisional_virial"]) / (d * number)
+    rate = 2 * _rates(run, run["collisions"]) / number
     slowness = reference.finite_speed_factor(reference.degrees_of_freedom(number, d, True))
     counted = rate * np.pi**0.5 / (2 * d * slowness)
     excess, difference = correlated_mean(virial), correlated_mean(virial - counted)
@@ -402,7 +397,7 @@ def _judge_state(laboratory: Laboratory, variant: str) -> Judgement:
         samples=difference.independent,
         needed=0.01,
     )
-    return worst([z, routes], f"N = {number}, {run.tallies['collisions'][-1]:.3g} collisions, infinite N: "
+    return worst([z, routes], f"N = {number}, {run['collisions'][-1]:.3g} collisions, infinite N: "
                  f"{reference.compressibility(eta, d).value:.5g}")  # fmt: skip
 
 
@@ -436,10 +431,10 @@ RATES = {
 }
 
 
-def _judge_rate(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_rate(laboratory: Laboratory, variant: str) -> Judged:
     d, eta, number = RATES[variant]
     run = _periodic(laboratory, d, eta, number, RATE_COLLISIONS)
-    rate = correlated_mean(2 * _rates(run, run.tallies["collisions"]) / number)
+    rate = correlated_mean(2 * _rates(run, run["collisions"]) / number)
     known, infinite = reference.finite_collision_rate(eta, number, d), reference.collision_rate(eta, d)
     path = reference.maxwell_mean_speed(d) / rate.value
     dilute = infinite.value / reference.contact_value(eta, d).value
@@ -487,14 +482,13 @@ def _squares(positions: Floats, lag: int, origins: int) -> Floats:
     return np.asarray(((positions[lag : lag + origins] - positions[:origins]) ** 2).sum(axis=2).mean(axis=1))
 
 
-def _judge_diffusion(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_diffusion(laboratory: Laboratory, variant: str) -> Judged:
     density = float(variant.removeprefix("n"))
     step = _window_start(density, DIFFUSING) / WINDOW
     samples = ORIGINS + 2 * SHOWN
     output = Output(interval=step, observables=TALLIES, trajectory=True)
     run = laboratory.run(gas(3, DIFFUSING, density, laboratory.seed(), output, samples * step), EVENT_DRIVEN)
-    assert run.positions is not None
-    positions = run.positions[SHOWN:]  # settled
+    positions = run["positions"][SHOWN:]  # settled
     slope = (_squares(positions, 2 * WINDOW, ORIGINS) - _squares(positions, WINDOW, ORIGINS)) / (6 * WINDOW * step)
     mean = correlated_mean(slope)
     known = reference.sphere_diffusion(density, DIFFUSING)
@@ -568,14 +562,13 @@ def _mixture_scene(dimension: int, eta: float, seed: int) -> tuple[Scene, refere
     return scene, known
 
 
-def _judge_mixture(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_mixture(laboratory: Laboratory, variant: str) -> Judged:
     d, eta = MIXTURES[variant]
     scene, known = _mixture_scene(d, eta, laboratory.seed())
     run = laboratory.run(scene, EVENT_DRIVEN)
-    assert run.velocities is not None
     number, species, masses = scene.number, np.array(scene.species), np.array(scene.masses)
-    excess = correlated_mean(_rates(run, run.tallies["collisional_virial"]) / (d * number))
-    rate = correlated_mean(2 * _rates(run, run.tallies["collisions"]) / number)
+    excess = correlated_mean(_rates(run, run["collisional_virial"]) / (d * number))
+    rate = correlated_mean(2 * _rates(run, run["collisions"]) / number)
     # of particles of one kind as dense: for want of a theory for mixtures, the whole of it is in doubt
     infinite = reference.compressibility(eta, d).value
     few = reference.finite_compressibility(eta, number, d).value - infinite
@@ -604,7 +597,7 @@ def _judge_mixture(laboratory: Laboratory, variant: str) -> Judgement:
         needed=0.06,
     )
     # at total momentum zero a particle of mass m has m<v^2> = d T (1 - m/M)
-    kinetic = masses * (run.velocities[SETTLING:] ** 2).sum(axis=2) / (d * (1 - masses / masses.sum()))
+    kinetic = masses * (run["velocities"][SETTLING:] ** 2).sum(axis=2) / (d * (1 - masses / masses.sum()))
     small, large = (kinetic[:, species == kind].mean(axis=1) for kind in (0, 1))
     gap = correlated_mean(small - large)
     equipartition = statistical(
@@ -654,7 +647,7 @@ _ELASTIC = Fault(
 
 
 def _speeds_check(name: str, title: str, variants: tuple[str, ...], tier: Tier) -> Check:
-    return Check(
+    return legacy_check(
         name=name,
         title=title,
         equation="f(v) = 2 v^(d-1) exp(-v^2/w^2)/(Gamma(d/2) w^d), w^2 = 2 V0^2/d; <v^4>/<v^2>^2 from 1 to 1 + 2/d",
@@ -672,7 +665,7 @@ def _speeds_check(name: str, title: str, variants: tuple[str, ...], tier: Tier) 
 def _pressure_check(
     name: str, title: str, variants: tuple[str, ...], tier: Tier, faults: tuple[tuple[str, Fault], ...]
 ) -> Check:
-    return Check(
+    return legacy_check(
         name=name,
         title=title,
         equation="p = sum I/(4 L t); (L - sigma)/2 sum I = 2 K t + W - [sum m r.v]; p -> n T as n -> 0; p ~ V0^2",
@@ -688,7 +681,7 @@ def _pressure_check(
 
 
 def _state_check(name: str, title: str, variants: tuple[str, ...], tier: Tier, faulty: tuple[str, Fault]) -> Check:
-    return Check(
+    return legacy_check(
         name=name,
         title=title,
         equation="Z = 1 + sum r_ij.dp_ij/(d N T t) = 1 + omega sigma sqrt(pi m/T)/(2 d), omega a particle's collisions",
@@ -772,7 +765,7 @@ CHECKS = (
         "full",
         ("disks-eta0.5", _virial_fault(0.7)),
     ),
-    Check(
+    legacy_check(
         name="events/collision-rate",
         title="Collision rate of a particle among periodic disks and spheres against Enskog's, many and few particles",
         equation="omega = 2 n sigma g sqrt(pi T/m) (2D), 4 n sigma^2 g sqrt(pi T/m) (3D), times the corrections for N",
@@ -794,7 +787,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/self-diffusion",
         title="Self-diffusion of dense spheres from the mean-square displacement",
         equation="D = d<|r(t) - r(0)|^2>/dt/6; D_N = D - 2.837297 T/(6 pi viscosity L)",
@@ -816,7 +809,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/mixture",
         title="Binary mixtures of disks and spheres: pressure, collision rate, equal temperatures",
         equation="Z = 1 + sum r_ij.dp_ij/(d N T t); T_small = T_large; omega = sum x_i n_j g_ij ... sqrt(T/mu_ij)",

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -18,7 +18,7 @@ from crosscheck.references import hard_spheres as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Output, Scene, explicit
 from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import standard_error
-from crosscheck.verdict import Judgement, bounded, round_off, statistical, worst
+from crosscheck.verdict import Judged, bounded, round_off, statistical, worst
 
 
 class Arrangement(NamedTuple):
@@ -107,22 +107,21 @@ class _Measured(NamedTuple):
 
 def _measure(gas: Arrangement, scene: Scene, run: Run, interval: float) -> _Measured:
     points = slice(len(gas.centres), None)
-    assert run.positions is not None
-    collisions = float(run.tallies["collisions"][-1])
+    collisions = float(run["collisions"][-1])
     squares = []
     for paths in (EARLY, LATE):
         lag = paths // EVERY
-        moved = run.positions[lag:, points] - run.positions[:-lag, points]
+        moved = run["positions"][lag:, points] - run["positions"][:-lag, points]
         squares.append(float((moved**2).sum(axis=2).mean()))
     diffusion = (squares[1] - squares[0]) / (2 * scene.dimension * (LATE - EARLY) / EVERY * interval)
-    speed_error = float(abs(np.linalg.norm(run.final_velocities[points], axis=1) - 1).max())
-    ends = wrapped(run.final_positions[points], np.full(scene.dimension, gas.length))
+    speed_error = float(abs(np.linalg.norm(run["final_velocities"][points], axis=1) - 1).max())
+    ends = wrapped(run["final_positions"][points], np.full(scene.dimension, gas.length))
     nearest, _ = _tree(gas.centres, gas.length).query(ends)
     depth = max(1.0 - float(nearest.min()), 0.0)
     return _Measured(len(gas.places) * scene.duration / collisions, diffusion, speed_error, depth, collisions)
 
 
-def _judge_points(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_points(laboratory: Laboratory, variant: str) -> Judged:
     """Many points in each of several arrangements: the arrangements are the independent samples."""
     dimension, kind, x = int(variant[0]), variant.split("-")[1], float(variant.split("-x")[1])
     overlapping = kind == "overlapping"
@@ -206,7 +205,7 @@ STARTS, STRIDES, SIZE = 20, 5.0, 0.8
 FINITE = {2: 0.1, 3: 0.06}
 
 
-def _judge_finite(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_finite(laboratory: Laboratory, variant: str) -> Judged:
     """A particle of radius a among scatterers of radius 1 - a goes the way of a point among those of radius 1."""
     dimension = int(variant[0])
     x = FINITE[dimension]
@@ -219,8 +218,8 @@ def _judge_finite(laboratory: Laboratory, variant: str) -> Judgement:
             turned = gas.velocities + shift * np.roll(gas.velocities, 1, axis=1) * np.where(np.arange(dimension), 1, -1)
             scene = lorentz_gas(gas._replace(velocities=turned), dimension, STRIDES * path, STRIDES * path, size)
             runs.append(laboratory.run(scene, EVENT_DRIVEN))
-        point, finite, disturbed = (run.final_positions[-1] for run in runs)
-        count = float(runs[0].tallies["collisions"][-1])
+        point, finite, disturbed = (run["final_positions"][-1] for run in runs)
+        count = float(runs[0]["collisions"][-1])
         collisions += count
         growth = max(1.0, float(np.linalg.norm(disturbed - point)) / 1e-9)
         errors[number] = np.linalg.norm(finite - point)
@@ -239,7 +238,7 @@ def _judge_finite(laboratory: Laboratory, variant: str) -> Judgement:
 HEAD_ON, APART, BESIDE = 64, 3.4, 10.0
 
 
-def _judge_head_on(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_head_on(laboratory: Laboratory, variant: str) -> Judged:
     """Pairs of points that fly straight at each other, in all directions: they must pass."""
     dimension = int(variant[0])
     rng = np.random.default_rng(laboratory.seed())
@@ -255,7 +254,7 @@ def _judge_head_on(laboratory: Laboratory, variant: str) -> Judgement:
     run = laboratory.run(lorentz_gas(gas, dimension, APART, APART), EVENT_DRIVEN)
     return bounded(
         f"collisions of {HEAD_ON} pairs of points",
-        float(run.tallies["collisions"][-1]),
+        float(run["collisions"][-1]),
         0.0,
         "particles of diameter 0 never hit each other",
     )
@@ -264,7 +263,7 @@ def _judge_head_on(laboratory: Laboratory, variant: str) -> Judgement:
 _DIFFUSING = tuple(f"{d}d-overlapping-x{x:g}" for d in (2, 3) for x in reference.LORENTZ_DIFFUSION[d])
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="events/lorentz-gas",
         title="Lorentz gas: points among fixed disks or spheres; speed, mean free path, diffusion",
         equation="l = V_free/(n sigma) (pi A/perimeter, 4 V/surface), D = d<r^2>/dt/(2 d), from 20 to 40 free paths",
@@ -296,7 +295,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/lorentz-finite-particle",
         title="Lorentz gas: one finite particle against a point among larger scatterers",
         equation="contact at R + a: the same path for (R, a) and (R + a, 0)",
@@ -318,7 +317,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/lorentz-points",
         title="Lorentz gas: points that fly straight at each other pass",
         equation="contact distance 0: no collision",

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -18,7 +18,7 @@ from crosscheck.references import square_well as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, Well, explicit
 from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import Mean, correlated_mean
-from crosscheck.verdict import Judgement, round_off, statistical, worst
+from crosscheck.verdict import Judged, round_off, statistical, worst
 
 WIDTH = reference.WIDTH
 OBSERVABLES: tuple[Observable, ...] = (
@@ -61,7 +61,7 @@ ENERGIES = {"2d": (2, 196, 0.4, 1.0, 1.0), "3d": (3, 256, 0.5, 1.0, 1.0), "3d-sh
 ENERGY_SAMPLES, ENERGY_INTERVAL = 40, 2.5
 
 
-def _judge_energy(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_energy(laboratory: Laboratory, variant: str) -> Judged:
     """Total energy at every sample, and the wells' against the pairs counted in the recorded positions."""
     dimension, number, density, temperature, depth = ENERGIES[variant]
     scene = fluid(dimension, number, density, temperature, laboratory.seed(), depth)
@@ -71,12 +71,11 @@ def _judge_energy(laboratory: Laboratory, variant: str) -> Judgement:
     )
     run = laboratory.run(scene, EVENT_DRIVEN)
     kinetic, potential = _energies(run)
-    assert run.positions is not None
     lengths = scene.lengths()
     assert lengths is not None
-    counted = np.array([_pairs_inside(frame, float(lengths[0])) for frame in run.positions])
+    counted = np.array([_pairs_inside(frame, float(lengths[0])) for frame in run["positions"]])
     total = kinetic + potential
-    events = float(run.tallies["events"][-1])
+    events = float(run["events"][-1])
     change = abs(total - total[0]).max()
     # a pair that meets has a few times the mean kinetic energy, hence 4 of its roundings per event and partner
     unit = EPSILON * (kinetic.max() / number + abs(depth))
@@ -88,9 +87,9 @@ def _judge_energy(laboratory: Laboratory, variant: str) -> Judgement:
         figures=(
             Figure(
                 "energy a particle", "t", "energy", series=(
-                    Series(f"{variant}: kinetic", run.time.tolist(), (kinetic / number).tolist()),
-                    Series(f"{variant}: wells", run.time.tolist(), (potential / number).tolist()),
-                    Series(f"{variant}: sum", run.time.tolist(), (total / number).tolist(), theory=True),
+                    Series(f"{variant}: kinetic", run["time"].tolist(), (kinetic / number).tolist()),
+                    Series(f"{variant}: wells", run["time"].tolist(), (potential / number).tolist()),
+                    Series(f"{variant}: sum", run["time"].tolist(), (total / number).tolist(), theory=True),
                 ),
             ),
         ),
@@ -105,9 +104,7 @@ def _judge_energy(laboratory: Laboratory, variant: str) -> Judgement:
 
 
 def _energies(run: Run) -> tuple[Floats, Floats]:
-    assert run.kinetic_energy is not None
-    assert run.potential_energy is not None
-    return run.kinetic_energy, run.potential_energy
+    return run["kinetic_energy"], run["potential_energy"]
 
 
 # -- one pair ----------------------------------------------------------------------------------------------------------
@@ -191,7 +188,7 @@ def pair_starts(dimension: int, seed: int) -> tuple[Floats, Floats]:
     return distance[:, None] * n, velocity
 
 
-def _judge_pairs(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_pairs(laboratory: Laboratory, variant: str) -> Judged:
     """Pairs too far apart to meet others, each against its own path from event to event."""
     dimension = int(variant[0])
     relative, velocity = pair_starts(dimension, laboratory.seed())
@@ -207,7 +204,7 @@ def _judge_pairs(laboratory: Laboratory, variant: str) -> Judgement:
         output=Output(interval=0.05, observables=OBSERVABLES, trajectory=True),
     )
     run = laboratory.run(scene, EVENT_DRIVEN)
-    positions, velocities = run.final_positions, run.final_velocities
+    positions, velocities = run["final_positions"], run["final_velocities"]
     found = np.hstack([positions[::2] - positions[1::2], velocities[::2] - velocities[1::2]])
     expected, growth, seen = np.empty_like(found), np.empty(PAIRS), np.zeros(4, np.int64)
     shift = 1e-8
@@ -230,10 +227,9 @@ def _judge_pairs(laboratory: Laboratory, variant: str) -> Judgement:
         "4 roundings of the box's length per event, times the growth of a disturbance of 1e-8 along the pair's path",
         note=f"largest error {errors.max():.1e}, growth of a disturbance {np.median(growth):.1f} (median)",
     )
-    assert run.positions is not None
     binding = 0.25 * (velocity**2).sum(axis=1) - 1.0
     bound = (np.linalg.norm(relative, axis=1) < WIDTH) & (binding < 0)
-    separation = np.linalg.norm(run.positions[:, ::2] - run.positions[:, 1::2], axis=2)[:, bound]
+    separation = np.linalg.norm(run["positions"][:, ::2] - run["positions"][:, 1::2], axis=2)[:, bound]
     captive = round_off(
         "how far pairs without the energy to part got beyond the edge",
         max(float(separation.max()) - WIDTH, 0.0),
@@ -297,7 +293,7 @@ def _overlap(r: float, p: float, q: float, dimension: int) -> float:
     return float(p * p * (one - np.sin(2 * one) / 2) + q * q * (two - np.sin(2 * two) / 2))
 
 
-def _judge_virial(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_virial(laboratory: Laboratory, variant: str) -> Judged:
     """(Z - 1)/n of a dilute gas, minus B_3 n: B_2."""
     dimension, name = int(variant[0]), variant.split("-")[1]
     target = reference.boyle_temperature(WIDTH, dimension) if name == BOYLE else float(name[1:])
@@ -313,7 +309,7 @@ def _judge_virial(laboratory: Laboratory, variant: str) -> Judgement:
     kept = slice(DILUTE_SAMPLES // 20, None)
     t = _temperatures(scene, run)[kept]
     temperature = float(t.mean())
-    z = np.diff(run.tallies["collisional_virial"])[kept] / (dimension * number * temperature * interval)
+    z = np.diff(run["collisional_virial"])[kept] / (dimension * number * temperature * interval)
     measured = correlated_mean(z)
     core = float(reference.second_virial(np.inf, WIDTH, dimension))
     b3 = third_virial(temperature, WIDTH, dimension)
@@ -352,7 +348,7 @@ def _judge_virial(laboratory: Laboratory, variant: str) -> Judgement:
 def _temperatures(scene: Scene, run: Run) -> Floats:
     """Averages over each interval of 2 K/(d (N - 1)), total momentum zero."""
     freedoms = scene.dimension * (scene.number - 1)
-    return np.asarray(2 * np.diff(run.tallies["kinetic_energy_integral"]) / (freedoms * np.diff(run.time)))
+    return np.asarray(2 * np.diff(run["kinetic_energy_integral"]) / (freedoms * np.diff(run["time"])))
 
 
 # -- liquid states -----------------------------------------------------------------------------------------------------
@@ -377,9 +373,9 @@ def _rescaled(laboratory: Laboratory, scene: Scene, temperature: float, rounds: 
         run = laboratory.run(
             scene.changed(duration=span, output=Output(interval=span, observables=OBSERVABLES)), EVENT_DRIVEN
         )
-        kinetic = 0.5 * float((run.final_velocities**2).sum())
+        kinetic = 0.5 * float((run["final_velocities"] ** 2).sum())
         factor = np.sqrt(1.5 * (scene.number - 1) * temperature / kinetic)
-        scene = scene.changed(initial=explicit(run.final_positions, factor * run.final_velocities))
+        scene = scene.changed(initial=explicit(run["final_positions"], factor * run["final_velocities"]))
     return scene
 
 
@@ -396,13 +392,13 @@ def _produced(laboratory: Laboratory, scene: Scene, duration: float) -> _Product
     scene = scene.changed(duration=duration, output=Output(interval=interval, observables=OBSERVABLES))
     run = laboratory.run(scene, EVENT_DRIVEN)
     t = _temperatures(scene, run)
-    energy = np.diff(run.tallies["potential_energy_integral"]) / (interval * scene.number)
+    energy = np.diff(run["potential_energy_integral"]) / (interval * scene.number)
     # with the mean temperature: the virial of an interval is not divided by what fluctuates with it
-    z = 1 + np.diff(run.tallies["collisional_virial"]) / (3 * scene.number * t.mean() * interval)
+    z = 1 + np.diff(run["collisional_virial"]) / (3 * scene.number * t.mean() * interval)
     return _Production(t, energy, z)
 
 
-def _judge_liquid(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_liquid(laboratory: Laboratory, variant: str) -> Judged:
     """Two runs at constant energy about the temperature; energy and Z on the line through them, at that temperature."""
     index, number = LIQUIDS[variant]
     point = reference.STATES[index]
@@ -464,7 +460,7 @@ _ALDER = "Alder & Wainwright, J. Chem. Phys. 31, 459 (1959)"
 _HENDERSON = "Barker & Henderson, Rev. Mod. Phys. 48, 587 (1976)"
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="events/square-well-energy",
         title="Square wells: the energy over many events, and the pairs inside",
         equation="K + U = const, U = -depth x number of pairs closer than 1.5",
@@ -496,7 +492,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/square-well-pairs",
         title="Single pairs in a square well: capture, escape, reflection inside, core",
         equation="u'^2 = u^2 + 4 epsilon/m inwards, u^2 - 4 epsilon/m outwards, u' = -u where that is negative",
@@ -518,7 +514,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/square-well-virial-coefficient",
         title="Square wells: second virial coefficient from the pressure of a dilute gas",
         equation="Z - 1 = sum r_ij.dp_ij/(d N T t) = B_2 n + B_3 n^2, B_2 = b (1 - (lambda^d - 1)(exp(1/T) - 1))",
@@ -540,7 +536,7 @@ CHECKS = (
         ),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="events/square-well-liquid",
         title="Square-well liquid: energy and pressure against Monte Carlo at constant temperature",
         equation="u(T), Z = 1 + sum r_ij.dp_ij/(3 N T t), T = 2 <K>/(3 (N - 1)); range 1.5",

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
 from crosscheck.checks.granular.impacts import (
     ANGLES,
     CENTRAL_DURATION,
@@ -56,7 +56,7 @@ from crosscheck.references.soft_impact import (
 )
 from crosscheck.references.soft_impact import stiffness as contact_stiffness
 from crosscheck.statistics import fitted_order
-from crosscheck.verdict import Judgement, order, round_off, worst
+from crosscheck.verdict import Judged, order, round_off, worst
 
 # -- head-on -----------------------------------------------------------------------------------------------------------
 
@@ -125,7 +125,7 @@ def _impact_bounds(law: Law, impact: HookeImpact | HertzImpact, dt: float) -> Er
     return bounds._replace(time=bounds.time + bounds.restitution / 5)
 
 
-def _judge_head_on(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_head_on(laboratory: Laboratory, variant: str) -> Judged:
     wall, rule = variant == "wall", "hertz" if variant == "hertz" else "hooke"
     found = {
         (alpha, resolution): _head_on(laboratory, Law(alpha, law=rule), resolution, wall)  # type: ignore[arg-type]
@@ -221,7 +221,7 @@ def friction_bounds(thetas: ArrayLike, contact: SoftContact, resolution: float) 
     return np.asarray(contact.scale * (largest * shift + late + normal.restitution * force_impulse(contact.alpha)))
 
 
-def _judge_oblique(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_oblique(laboratory: Laboratory, variant: str) -> Judged:
     dimension, contact, wall = OBLIQUE[variant]
     limit = granular.sliding_limit(contact.alpha, contact.alpha_t, contact.mu, contact.q)
     thetas = limit * ANGLE_RANGE * (np.arange(ANGLES) + 0.5) / ANGLES
@@ -355,7 +355,7 @@ TWO_CODES: dict[str, tuple[int, SoftContact | None, bool, bool]] = {
 }
 
 
-def _judge_two_codes(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_two_codes(laboratory: Laboratory, variant: str) -> Judged:
     dimension, contact, unlike, wall = TWO_CODES[variant]
     rng = np.random.default_rng(laboratory.seed("grains"))
     shape = (_FOLLOWED_PAIRS, 2)
@@ -379,7 +379,7 @@ def _judge_two_codes(laboratory: Laboratory, variant: str) -> Judgement:
 
     def differences(name: str, spin: bool = False) -> Floats:
         """The largest of each sample."""
-        one, two = (bodies(impacts, getattr(run, name), spin) for run in runs)
+        one, two = (bodies(impacts, run[name], spin) for run in runs)
         return np.asarray(abs(one - two).reshape(len(one), -1).max(axis=1))
 
     places, velocities = differences("positions"), differences("velocities")
@@ -416,7 +416,7 @@ _ENGINES = ("refimpl", "lammps")
 _CONTACTS = "stepping/kernels/contacts.py"
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="granular/head-on",
         title="Head-on impacts of soft grains: restitution, contact time and largest overlap",
         equation="F_n = k delta - c sqrt(m k) v_n; v' = alpha v; t_c = sqrt((pi^2 + ln^2 alpha) m/k); "
@@ -440,7 +440,7 @@ CHECKS = (
         engines=_ENGINES,
         tier="quick",
     ),
-    Check(
+    legacy_check(
         name="granular/oblique-impact",
         title="Oblique impacts of soft grains: sticking, sliding, and the hard rule beside them",
         equation="|F_t| <= mu |F_n|; u'/v_n = mu (1 + 1/q) f(Theta q/((1 + q) mu); alpha, alpha_t)",
@@ -473,7 +473,7 @@ CHECKS = (
         engines=_ENGINES,
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/two-codes",
         title="A hundred impacts at once, step by step in two codes",
         equation="gran/hooke, gran/hooke/history and pair_style granular of LAMMPS",

@@ -21,7 +21,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed, soft
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check, soft
 from crosscheck.checks.events.driven import (
     DRUM_RADIUS,
     DRUM_SAMPLE,
@@ -50,7 +50,7 @@ from crosscheck.scene import (
     Scene,
 )
 from crosscheck.statistics import Mean, correlated_mean, fitted_order, standard_error
-from crosscheck.verdict import Judgement, bounded, order, statistical, within, worst
+from crosscheck.verdict import Judged, Judgement, bounded, order, statistical, within, worst
 
 #: Stretches of a run, whose means give a profile its standard errors.
 BLOCKS = 20
@@ -58,9 +58,7 @@ BLOCKS = 20
 
 def _trajectory(run: Run, skip: int) -> tuple[Floats, Floats]:
     """Positions and velocities of the samples from number `skip` on."""
-    assert run.positions is not None
-    assert run.velocities is not None
-    return run.positions[skip:], run.velocities[skip:]
+    return run["positions"][skip:], run["velocities"][skip:]
 
 
 # -- means in the limit --------------------------------------------------------------------------------
@@ -193,7 +191,7 @@ def _measured_bed(run: Run, edges: Floats) -> _Bed:
     return _Bed(correlated_mean(z.mean(axis=1)), correlated_mean(energy.mean(axis=1)), profile(z, energy, edges))
 
 
-def _judge_bed(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_bed(laboratory: Laboratory, variant: str) -> Judged:
     # above 14 too few grains come for a temperature to a quarter
     edges = np.arange(0.0, 15.0, 2.0)
     event_run = run_whole(laboratory, _bed(laboratory.seed("event-driven"), 27000), EVENT_DRIVEN, "refimpl")
@@ -243,7 +241,7 @@ def _judge_bed(laboratory: Laboratory, variant: str) -> Judgement:
             event_run,
             Frame(0.0, 10.0, 0.0, 20.0, ("bottom",)),
             10.0,
-            np.linalg.norm(event_run.final_velocities, axis=1),
+            np.linalg.norm(event_run["final_velocities"], axis=1),
             "speed",
         ),
     )
@@ -296,7 +294,7 @@ def column_state(heights: ArrayLike, speeds: ArrayLike) -> Column:
 
 
 def _column_after(run: Run) -> Column:
-    return column_state(run.final_positions[:, 1], run.final_velocities[:, 1])
+    return column_state(run["final_positions"][:, 1], run["final_velocities"][:, 1])
 
 
 def soft_chain(
@@ -325,11 +323,11 @@ def soft_chain(
     return done.y[:number, -1], done.y[number:, -1]
 
 
-def _judge_column(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_column(laboratory: Laboratory, variant: str) -> Judged:
     return _judge_apart(laboratory) if variant == "apart" else _judge_touching(laboratory)
 
 
-def _judge_apart(laboratory: Laboratory) -> Judgement:
+def _judge_apart(laboratory: Laboratory) -> Judged:
     """Gaps of 0.1, far above v t_c: two cascades of 28 impacts each, then one common flight, near its top at t = 4."""
     scene, speed = _column(_GAP, 4.0), math.sqrt(2 * _FALL)
     hard = _column_after(run_whole(laboratory, scene, EVENT_DRIVEN, "refimpl"))
@@ -359,7 +357,7 @@ def _judge_apart(laboratory: Laboratory) -> Judgement:
     return worst(judgements, note, (figure,))
 
 
-def _judge_touching(laboratory: Laboratory) -> Judgement:
+def _judge_touching(laboratory: Laboratory) -> Judged:
     """Gaps from far below v t_c to above: the energy kept 0.25 after the lowest bead has met the floor."""
     speed = math.sqrt(2 * _FALL)
     after = 0.25
@@ -451,7 +449,7 @@ def _measured_pipe(run: Run) -> _Pipe:
     )
 
 
-def _judge_pipe(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_pipe(laboratory: Laboratory, variant: str) -> Judged:
     event_run = run_whole(laboratory, _pipe(laboratory.seed("event-driven"), 30000.0), EVENT_DRIVEN, "refimpl")
     hard = _measured_pipe(event_run)
     runs = [
@@ -486,7 +484,7 @@ def _judge_pipe(laboratory: Laboratory, variant: str) -> Judgement:
             event_run,
             Frame(0.0, 12.0, 0.0, _PIPE_WIDTH, ("bottom", "top")),
             12.0,
-            event_run.final_velocities[:, 0],
+            event_run["final_velocities"][:, 0],
             "velocity along the fall",
         ),
     )
@@ -552,7 +550,7 @@ def nearest(value: float, one: Mean, other: Mean) -> Mean:
     return end._replace(value=min(max(value, low.value), high.value))
 
 
-def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_drum(laboratory: Laboratory, variant: str) -> Judged:
     """Both tangential laws give an impact that sticks the same outcome, but differ in contacts that endure.
 
     A spring bears a force at rest, a dashpot does not; a contact within t_c of the TC model bears none either, but does
@@ -616,7 +614,7 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
             runs["history"][-1],
             frame,
             0.0,
-            np.linalg.norm(runs["history"][-1].final_velocities, axis=1),
+            np.linalg.norm(runs["history"][-1]["final_velocities"], axis=1),
             "speed",
         ),
         snapshot_figure(
@@ -624,7 +622,7 @@ def _judge_drum(laboratory: Laboratory, variant: str) -> Judgement:
             event_runs[-1],
             frame,
             0.0,
-            np.linalg.norm(event_runs[-1].final_velocities, axis=1),
+            np.linalg.norm(event_runs[-1]["final_velocities"], axis=1),
             "speed",
         ),
     )
@@ -654,7 +652,7 @@ def _listed(durations: Sequence[float], heaps: Sequence[_Heap]) -> str:
 
 _CONTACTS = "stepping/kernels/contacts.py"
 CHECKS = (
-    Check(
+    legacy_check(
         name="granular/bouncing-column",
         title="A column of beads falls on a floor: hard and soft, with gaps above and below v t_c",
         equation="gap >> v t_c: E_soft - E_hard -> 0 as t_c; gap << v t_c: the soft column loses less",
@@ -678,7 +676,7 @@ CHECKS = (
         engines=("refimpl", "lammps"),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/drum",
         title="Rough disks in a turning drum: angle of the heap, event-driven with the TC model and soft",
         equation="tan(angle) = x_cm/(-y_cm) in the limits t_c -> 0",
@@ -702,7 +700,7 @@ CHECKS = (
         engines=("refimpl", "lammps"),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/pipe",
         title="Rough disks fall down a channel with rough walls: mass flux, event-driven and soft",
         equation="flux = (1/L) sum v_x; soft: flux + O(t_c)",
@@ -726,7 +724,7 @@ CHECKS = (
         engines=("refimpl", "lammps"),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/vibrated-bed",
         title="Inelastic disks on an oscillating floor: temperature profile and centre of mass, event-driven and soft",
         equation="z_floor = a cos(omega t); T(z) = <v^2>/2; soft: + O(t_c)",

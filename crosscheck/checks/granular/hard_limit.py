@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed, soft
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check, soft
 from crosscheck.checks.events.cooling import RESTITUTION_SQUARED
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
 from crosscheck.engines.protocol import Run
@@ -25,7 +25,7 @@ from crosscheck.references.hard_spheres import collision_rate, compressibility
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, explicit
 from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import independent_mean
-from crosscheck.verdict import Judgement, bounded, order, statistical, worst
+from crosscheck.verdict import Judged, bounded, order, statistical, worst
 
 #: dt/t_c. A contact begins and ends anywhere between two steps, which changes its restitution by gamma dt at most, with
 #: mean zero; what is left is of order (dt/t_c)^2: halving dt changes T at k = 1e7 by less than 1e-3.
@@ -42,7 +42,7 @@ def relaxed(laboratory: Laboratory, scene: Scene, purpose: str, time: float) -> 
     assert lengths is not None
     assert box is not None
     return scene.changed(
-        initial=explicit(wrapped(run.final_positions, scene.periods()), run.final_velocities),
+        initial=explicit(wrapped(run["final_positions"], scene.periods()), run["final_velocities"]),
         box=Box(lengths=tuple(lengths.tolist()), boundaries=box.boundaries),
     )
 
@@ -73,11 +73,10 @@ def cooling_gas(dimension: int) -> Scene:
 
 
 def energies(run: Run) -> Floats:
-    assert run.kinetic_energy is not None
-    return run.kinetic_energy
+    return run["kinetic_energy"]
 
 
-def _judge_cooling(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_cooling(laboratory: Laboratory, variant: str) -> Judged:
     """T of soft over T of hard spheres, from the same states: power of the stiffness with which they converge."""
     gas = cooling_gas(2 if variant == "disks" else 3)
     starts = [relaxed(laboratory, gas, f"state {i}", 2.0) for i in range(max(STIFFNESSES.values()))]
@@ -121,7 +120,7 @@ def _convergence(
     power: float,
     why: str,
     figures: tuple[Figure, ...] = (),
-) -> Judgement:
+) -> Judged:
     """Departure from 1 of `found` over `exact`, of the same states, as a power of 1/x, and what is left at the end.
 
     found: for each x, the values of the first states; the first x is drawn, but beyond the first power.
@@ -205,32 +204,32 @@ def _elastic_gas(walled: bool) -> Scene:
 
 def _thermal(run: Run, number: int) -> float:
     """<K>/N = T of disks."""
-    return float(np.trapezoid(energies(run), run.time)) / float(run.time[-1]) / number
+    return float(np.trapezoid(energies(run), run["time"])) / float(run["time"][-1]) / number
 
 
 def _compressibility(run: Run, scene: Scene, duration: float) -> float:
     """Z = 1 + W/(2 N T) of disks."""
-    virial = run.tallies["collisional_virial"][-1] / run.time[-1]
+    virial = run["collisional_virial"][-1] / run["time"][-1]
     return 1 + float(virial) / (2 * scene.number * _thermal(run, scene.number))
 
 
 def _rate(run: Run, scene: Scene, duration: float) -> float:
     """Collisions of a particle, over T^(1/2); of soft spheres the time that pairs touch, over t_c."""
-    tallies = run.tallies
+    tallies = run
     count = tallies["collisions"][-1] if "collisions" in tallies else tallies["contact_time"][-1] / duration
-    return 2 * float(count / run.time[-1]) / scene.number / math.sqrt(_thermal(run, scene.number))
+    return 2 * float(count / run["time"][-1]) / scene.number / math.sqrt(_thermal(run, scene.number))
 
 
 def _wall_pressure(run: Run, scene: Scene, duration: float) -> float:
     """Force on the walls over their length and over n T."""
     lengths = scene.lengths()
     assert lengths is not None
-    impulse = run.tallies["wall_impulse"][-1]
-    force = sum(abs(float(impulse[face, face // 2])) for face in range(4)) / float(run.time[-1])
+    impulse = run["wall_impulse"][-1]
+    force = sum(abs(float(impulse[face, face // 2])) for face in range(4)) / float(run["time"][-1])
     return force / (2 * lengths.sum()) / (scene.number / lengths.prod() * _thermal(run, scene.number))
 
 
-def _judge_limit(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_limit(laboratory: Laboratory, variant: str) -> Judged:
     """A quantity of soft spheres at several t_c, by a parabola to t_c = 0, against the event-driven one."""
     measure: Callable[[Run, Scene, float], float] = _QUANTITIES[variant]
     gas = _elastic_gas(variant == "wall-pressure")
@@ -308,7 +307,7 @@ STEPS = (0.2, 0.1, 0.05, 0.025, 0.0125)
 _SEARCHES = 64
 
 
-def _judge_search(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_search(laboratory: Laboratory, variant: str) -> Judged:
     """REBOUND, whose collisions are up to a step late, against the event-driven gas: whichever of them is judged."""
     elastic = variant == "collision-rate"
     gas = Scene(
@@ -322,7 +321,7 @@ def _judge_search(laboratory: Laboratory, variant: str) -> Judgement:
     )
 
     def measured(run: Run) -> float:
-        return float(run.tallies["collisions"][-1] if elastic else energies(run)[-1])
+        return float(run["collisions"][-1] if elastic else energies(run)[-1])
 
     starts = [relaxed(laboratory, gas, f"state {i}", 5.0) for i in range(_SEARCHES)]
     hard = [measured(laboratory.run(start, EVENT_DRIVEN, engine="refimpl")) for start in starts]
@@ -351,7 +350,7 @@ _LATE = Fault(
 )
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="granular/cooling",
         title="Inelastic gas: temperature of soft spheres of growing stiffness, beside the event-driven one",
         equation="T(k)/T - 1 = a k^(-1/2), k in m T/sigma^2",
@@ -374,7 +373,7 @@ CHECKS = (
         engines=("refimpl", "lammps"),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/hard-limit",
         title="Elastic disks: pressure, collision rate and wall pressure of soft ones, taken to the hard limit",
         equation="Z = 1 + <sum r_ij.F_ij>/(2 N T); omega = 2 <contacts>/(N t_c); p = <force>/length",
@@ -386,7 +385,7 @@ CHECKS = (
         engines=("refimpl", "lammps"),
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/collision-search",
         title="Hard disks in REBOUND, which looks for collisions after each step, beside event-driven ones",
         equation="nu(dt)/nu - 1, T(dt)/T - 1 ~ dt",

@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed, soft
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check, soft
 from crosscheck.checks.granular.hard_limit import RESOLUTION, cooling_gas, energies, relaxed
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references.soft_impact import HookeImpact
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import independent_mean
-from crosscheck.verdict import Judgement, bounded
+from crosscheck.verdict import Judged, bounded
 
 STIFFNESSES = (1e3, 1e4, 1e5, 1e6)
 REPLICAS = 16
@@ -21,7 +21,7 @@ REPLICAS = 16
 ERROR = 0.01
 
 
-def _judge_precision(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_precision(laboratory: Laboratory, variant: str) -> Judged:
     """|T(k)/T - 1| of a cooling gas against CPU seconds a run; event-driven has no such error."""
     gas = cooling_gas(2)
     starts = [relaxed(laboratory, gas, f"state {i}", 2.0) for i in range(REPLICAS)]
@@ -96,7 +96,7 @@ def _dense_gas(fraction: float) -> Scene:
     )
 
 
-def _judge_density(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_density(laboratory: Laboratory, variant: str) -> Judged:
     """CPU seconds per grain and unit of time over the packing fraction, and omega t_c where soft gets cheaper."""
     stiffnesses = STIFFNESSES[:-1]
     methods = [soft(stiffness=stiffness, resolution=2 * RESOLUTION) for stiffness in stiffnesses]
@@ -111,7 +111,7 @@ def _judge_density(laboratory: Laboratory, variant: str) -> Judgement:
         for _ in range(_TURNS):
             run = laboratory.run(counted, EVENT_DRIVEN, engine="refimpl")
             softs = [laboratory.run(one, method) for one, method in zip(scenes, methods, strict=True)]
-            times = [float(run.time[-1]), *(scene.duration for scene in scenes)]
+            times = [float(run["time"][-1]), *(scene.duration for scene in scenes)]
             spent.append([one.cost.cpu / number / t for one, t in zip((run, *softs), times, strict=True)])
         costs.append(np.median(spent, axis=0))
         rates.append(2 * _COLLISIONS / times[0])
@@ -162,12 +162,12 @@ def _crossing(fractions: Floats, log_ratio: Floats, contacts: Floats) -> tuple[f
     return float(fractions[i - 1] + share * (fractions[i] - fractions[i - 1])), math.exp(float(between))
 
 
-def _judge(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge(laboratory: Laboratory, variant: str) -> Judged:
     return (_judge_precision if variant == "work-precision" else _judge_density)(laboratory, variant)
 
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="granular/hard-limit-cost",
         title="Hard disks, event-driven or soft and stiff: error against CPU time, and cost over density",
         equation="error ~ omega t_c, steps ~ 1/t_c; events ~ omega",

@@ -43,7 +43,7 @@ from crosscheck.scene import (
     Scene,
     explicit,
 )
-from crosscheck.verdict import Judgement, bounded
+from crosscheck.verdict import Judged, bounded
 
 Floats = NDArray[np.float64]
 
@@ -297,7 +297,7 @@ def lasting(resolution: float) -> int:
 
 def after(impacts: Impacts, run: Run) -> tuple[Floats, Floats]:
     """Velocities and spins at the end, (P, 2, 3)."""
-    return bodies(impacts, run.final_velocities), bodies(impacts, run.final_angular_velocities, spin=True)
+    return bodies(impacts, run["final_velocities"]), bodies(impacts, run.get("final_angular_velocities"), spin=True)
 
 
 def bodies(impacts: Impacts, rows: Floats | None, spin: bool = False) -> Floats:
@@ -323,7 +323,7 @@ def rebound(impacts: Impacts, velocities: Floats, spins: Floats) -> tuple[Floats
 
 def overlaps(impacts: Impacts, run: Run) -> Floats:
     """delta of every pair at every sample, negative while apart, (samples, P)."""
-    places = bodies(impacts, run.positions)
+    places = bodies(impacts, run["positions"])
     if impacts.wall:
         return np.asarray(impacts.radii[:, 0] - places[:, :, 0, 1])
     distance = np.linalg.norm(places[:, :, 0] - places[:, :, 1], axis=2)
@@ -350,7 +350,7 @@ def rounded_speed(impacts: Impacts, steps: int, alpha: float, duration: float) -
     return wander(impacts, steps) * (math.pi**2 + math.log(alpha) ** 2) / duration
 
 
-def ratio_judgement(what: str, errors: Sequence[float], bounds: Sequence[float], why: str, **more: object) -> Judgement:
+def ratio_judgement(what: str, errors: Sequence[float], bounds: Sequence[float], why: str, **more: object) -> Judged:
     """The largest of the errors over their bounds, 1 at most."""
     ratios = np.asarray(errors) / np.asarray(bounds)
     return bounded(f"{what}, over its bound", float(ratios.max()), 1.0, why, **more)  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import Laboratory, fixed, legacy_check
 from crosscheck.checks.granular.impacts import (
     ANGLES,
     CENTRAL_DURATION,
@@ -58,7 +58,7 @@ from crosscheck.scene import (
     explicit,
 )
 from crosscheck.statistics import fitted_order, independent_mean, standard_error
-from crosscheck.verdict import Judgement, order, round_off, statistical, within, worst
+from crosscheck.verdict import Judged, order, round_off, statistical, within, worst
 
 # -- stability ---------------------------------------------------------------------------------------------------------
 
@@ -96,7 +96,7 @@ def _growth(laboratory: Laboratory, alpha: float, step: float, steps: int) -> fl
         initial=explicit(np.array([[2.0, 0.5]]), np.array([[0.0, STABLE_SPEED]])),
     )
     run = laboratory.run(scene, Law(alpha).method(1.0, step))
-    size = math.hypot(run.final_velocities[0, 1], run.final_positions[0, 1] - 0.5) / STABLE_SPEED
+    size = math.hypot(run["final_velocities"][0, 1], run["final_positions"][0, 1] - 0.5) / STABLE_SPEED
     return math.inf if run.diverged or not math.isfinite(size) else size
 
 
@@ -111,7 +111,7 @@ def growth_delay(c: float) -> float:
     return rate * (rate + c * h) / (2 * h * (h + c))
 
 
-def _judge_step_limit(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_step_limit(laboratory: Laboratory, variant: str) -> Judged:
     alpha = _STABLE_ALPHAS[variant]
     c = damping(alpha)
     limit = stability_limit(c)
@@ -167,7 +167,7 @@ def _rebounds(laboratory: Laboratory, alpha: float, resolution: float) -> tuple[
     return rebound(impacts, *after(impacts, run))[0], hooke_bounds(alpha, resolution).restitution + rounding
 
 
-def _judge_towards(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_towards(laboratory: Laboratory, variant: str) -> Judged:
     plastic = variant == "towards-0"
     alphas, resolutions = (NEARLY_PLASTIC, _PLASTIC_RESOLUTIONS) if plastic else (NEARLY_ELASTIC, RESOLUTIONS)
     found = {(a, r): _rebounds(laboratory, a, r) for a in alphas for r in resolutions}
@@ -194,7 +194,7 @@ def _judge_towards(laboratory: Laboratory, variant: str) -> Judgement:
     return worst(judgements, f"mean v'/v at the smallest step, {last}", (figure,))
 
 
-def _judge_zero(laboratory: Laboratory) -> Judgement:
+def _judge_zero(laboratory: Laboratory) -> Judged:
     """Restitution 0 has no soft contact: it must be refused."""
     reason = ""
     impacts = make_impacts(2, np.zeros(2), laboratory.seed(), central=True)
@@ -212,7 +212,7 @@ _GAS, _GAS_PACKING, _GAS_CONTACT, _GAS_TIME = 100, 0.3, 0.02, 4.0
 _GAS_STARTS, _GAS_STEPS = 24, (20.24, 60.24, 180.24)
 
 
-def _judge_gas(laboratory: Laboratory) -> Judgement:
+def _judge_gas(laboratory: Laboratory) -> Judged:
     """Energy of elastic grains, with that of their springs."""
     # whole numbers of steps
     interval = 25 * _GAS_CONTACT
@@ -233,12 +233,10 @@ def _judge_gas(laboratory: Laboratory) -> Judgement:
         )
         for rung, steps in enumerate(_GAS_STEPS):
             run = laboratory.run(scene, Law(1.0).method(stiffness, _GAS_CONTACT / steps))
-            assert run.kinetic_energy is not None
-            assert run.potential_energy is not None
-            energy = run.kinetic_energy + run.potential_energy
+            energy = run["kinetic_energy"] + run["potential_energy"]
             error = abs(energy / energy[0] - 1)
             rms[start, rung], largest[start, rung] = np.sqrt(np.mean(error**2)), error.max()
-        contacts[start] = run.tallies["contact_time"][-1] / _GAS_CONTACT
+        contacts[start] = run["contact_time"][-1] / _GAS_CONTACT
     resolutions = 1 / np.array(_GAS_STEPS)
     bounds = contacts[:, None] * (math.pi * resolutions) ** 2 / 4 / _GAS
     orders = np.polyfit(np.log(resolutions), np.log(rms.T), 1)[0]
@@ -264,7 +262,7 @@ def _judge_gas(laboratory: Laboratory) -> Judgement:
     )  # fmt: skip
 
 
-def _judge_limits(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_limits(laboratory: Laboratory, variant: str) -> Judged:
     if variant == "elastic-gas":
         return _judge_gas(laboratory)
     return _judge_zero(laboratory) if variant == "zero" else _judge_towards(laboratory, variant)
@@ -301,7 +299,7 @@ def sticking_bound(contact: SoftContact, resolution: float) -> float:
     return contact.alpha_t * math.expm1(decay * (off + resolution) + decay**2 * resolution)
 
 
-def _judge_friction_limits(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_friction_limits(laboratory: Laboratory, variant: str) -> Judged:
     dimension, contact = _LIMITS[variant]
     limited = contact.mu == 0
     thetas = np.geomspace(0.1, 10.0, ANGLES) if limited else np.geomspace(*_WEAK_SLIPS, ANGLES)
@@ -371,7 +369,7 @@ SIZE_RATIOS = (1.0, 2.0, 5.0, 10.0, 30.0)
 _RATIO_ALPHA, _RATIO_RESOLUTION = 0.5, 1 / 160
 
 
-def _judge_ratios(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_ratios(laboratory: Laboratory, variant: str) -> Judged:
     """Heavy or large grains at rest, hit by those of mass and diameter 1."""
     of_mass = variant != "sizes"
     ratios = np.repeat(MASS_RATIOS if of_mass else SIZE_RATIOS, PHASES)
@@ -443,7 +441,7 @@ def _limits_variants(engine: str, schemes: dict[str, Claims]) -> tuple[str, ...]
 
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="granular/step-limit",
         title="Largest stable time step of a soft contact",
         equation="omega_0 dt < sqrt(c^2 + 4) - c",
@@ -466,7 +464,7 @@ CHECKS = (
         engines=_ENGINES,
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/restitution-limits",
         title="Restitution towards 1 and towards 0",
         equation="alpha = exp(-pi c/sqrt(4 - c^2)), c -> 0 and c -> 2; E = const at alpha = 1",
@@ -490,7 +488,7 @@ CHECKS = (
         engines=_ENGINES,
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/friction-limits",
         title="Soft grains without friction, and with friction without limit",
         equation="mu = 0: u' = u; mu -> infinity: u' = alpha_t u",
@@ -513,7 +511,7 @@ CHECKS = (
         engines=_ENGINES,
         tier="full",
     ),
-    Check(
+    legacy_check(
         name="granular/ratios",
         title="Head-on impacts of grains of very unlike masses and sizes",
         equation="t_c = sqrt((pi^2 + ln^2 alpha) m_eff/k); v' = alpha v; m_1 v_1 + m_2 v_2 = const",

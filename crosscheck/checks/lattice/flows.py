@@ -19,7 +19,7 @@ from crosscheck.references import lattice_gas as known
 from crosscheck.references.shear_layer import disturbance, double_layer
 from crosscheck.scene import Floats, Obstacle, Output, Wave
 from crosscheck.statistics import independent_mean
-from crosscheck.verdict import Judgement, bounded, statistical, worst
+from crosscheck.verdict import Judged, bounded, statistical, worst
 from refimpl.lattice.models import MODELS
 
 MODEL = "fhp3"
@@ -49,7 +49,7 @@ def _picture(title: str, velocity: Floats, size: tuple[float, float], coarse: in
 # -- vortex street ---------------------------------------------------------------------------------------
 
 
-def _judge_street(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_street(laboratory: Laboratory, variant: str) -> Judged:
     """A plate across the flow sheds vortices in turn: frequency by the velocity across the wake behind it.
 
     The wake comes back to the plate through the periodic ends. A honeycomb of smooth plates along the flow, without
@@ -166,7 +166,7 @@ def _line(times: Floats, signal: Floats) -> tuple[float, float]:
 # -- Kelvin-Helmholtz ------------------------------------------------------------------------------------
 
 
-def _judge_layer(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_layer(laboratory: Laboratory, variant: str) -> Judged:
     """Growth of a wave on two tanh layers, against the linearised vorticity equation of the spreading flow.
 
     The velocity across the layers is projected on the shape that the theory gives it at each time: a mean of |v| would

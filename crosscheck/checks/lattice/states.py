@@ -17,7 +17,7 @@ from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
 from crosscheck.scene import Floats, LatticeGas, Method, Obstacle, Occupations, Output, Scene, Wave
 from crosscheck.statistics import correlated_mean, independent_mean
-from crosscheck.verdict import Judgement, bounded, round_off, statistical, worst
+from crosscheck.verdict import Judged, bounded, round_off, statistical, worst
 from refimpl.lattice.models import MODELS, Model
 from refimpl.lattice.theory import (
     collision_term,
@@ -71,7 +71,7 @@ def filled(density: float | tuple[float, ...], seed: int, **more: Any) -> Occupa
 
 def populations(run: Run) -> Floats:
     """Particles (samples, blocks along x, along y, b)."""
-    return run.tallies["populations"]
+    return run["populations"]
 
 
 def momentum(model: Model, counts: Floats) -> Floats:
@@ -82,7 +82,7 @@ def momentum(model: Model, counts: Floats) -> Floats:
 # -- exact ---------------------------------------------------------------------------------------------
 
 
-def _judge_conservation(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_conservation(laboratory: Laboratory, variant: str) -> Judged:
     """Whole numbers: mass and momentum of a periodic gas; with smooth walls and a force, those along the walls."""
     model = MODELS[variant]
     seed = laboratory.seed()
@@ -112,7 +112,7 @@ def _judge_conservation(laboratory: Laboratory, variant: str) -> Judgement:
         whole = populations(laboratory.run(periodic, method)).sum(axis=(1, 2))
         pushed = laboratory.run(channel, method)
         forced = populations(pushed).sum(axis=(1, 2))
-        given = pushed.tallies["force_impulse"].sum(axis=1) / model.velocities.unit[0]
+        given = pushed["force_impulse"].sum(axis=1) / model.velocities.unit[0]
         along = momentum(model, forced)[:, 0]
         for values in (whole.sum(axis=1), *momentum(model, whole).T, forced.sum(axis=1), along - given):
             lost = max(lost, float(np.ptp(values)))
@@ -125,7 +125,7 @@ def _judge_conservation(laboratory: Laboratory, variant: str) -> Judgement:
     )
 
 
-def _judge_evolvers(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_evolvers(laboratory: Laboratory, variant: str) -> Judged:
     """The same sites from bit planes, table look-up and NumPy, with all kinds of walls and a force."""
     seed = laboratory.seed()
     walls = (
@@ -140,7 +140,7 @@ def _judge_evolvers(laboratory: Laboratory, variant: str) -> Judgement:
     free = gas_scene("free", variant, 30, 133, 100, filled(0.35, seed), output)
     differ = 0
     for one in (scene, free):
-        sites = [laboratory.run(one, method).tallies["sites"] for method in (LOOKUP, PLANES, NUMPY)]
+        sites = [laboratory.run(one, method)["sites"] for method in (LOOKUP, PLANES, NUMPY)]
         differ += sum(int((other != sites[0]).sum()) for other in sites[1:])
     return round_off(
         "sites in which the evolvers differ",
@@ -151,7 +151,7 @@ def _judge_evolvers(laboratory: Laboratory, variant: str) -> Judgement:
     )
 
 
-def _judge_reversal(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_reversal(laboratory: Laboratory, variant: str) -> Judged:
     """HPP to the number of steps and back: the identical lattice."""
     steps = int(variant)
     obstacles = (
@@ -176,7 +176,7 @@ def _judge_reversal(laboratory: Laboratory, variant: str) -> Judgement:
                 lattice_gas=LatticeGas(model="hpp", rows=128, columns=200, obstacles=obstacles, reversals=reversals),
             ),
             PLANES,
-        ).tallies["sites"]
+        )["sites"]
         for time, reversals in ((0, None), (steps, None), (2 * steps, (steps, 2 * steps)))
     )
     changed = int((half != start).sum())
@@ -205,7 +205,7 @@ def at_densities(names: tuple[str, ...], densities: tuple[float, ...]) -> tuple[
     return tuple(f"{name}-d{density:g}" for name in names for density in densities)
 
 
-def _judge_equilibrium(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_equilibrium(laboratory: Laboratory, variant: str) -> Judged:
     """Populations of a gas that starts away from equilibrium, against Fermi-Dirac at the same mass and momentum."""
     name, density = named_density(variant)
     model = MODELS[name]
@@ -271,7 +271,7 @@ def _away(model: Model, f: Floats) -> Floats:
     return f + 0.5 * room * direction
 
 
-def _judge_pressure(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_pressure(laboratory: Laboratory, variant: str) -> Judged:
     """Momentum flux of a uniform flow in several directions: its anisotropic part over rho u^2, against the theory.
 
     A flow at the angle a has P_xx - P_yy = rho g u^2 cos 2a and P_xy = rho g u^2 sin(2a)/2 if the tensor is isotropic;
@@ -332,13 +332,13 @@ def _judge_pressure(laboratory: Laboratory, variant: str) -> Judgement:
 # -- H theorem -------------------------------------------------------------------------------------------
 
 
-def _judge_h(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_h(laboratory: Laboratory, variant: str) -> Judged:
     """H never increases: of the Boltzmann iteration at every step, of an ensemble of gases within its error."""
     name, kind = variant.rsplit("-", 1)
     return _h_of_ensemble(laboratory, name) if kind == "ensemble" else _h_of_boltzmann(laboratory, name)
 
 
-def _h_of_boltzmann(laboratory: Laboratory, name: str) -> Judgement:
+def _h_of_boltzmann(laboratory: Laboratory, name: str) -> Judged:
     model, rows, columns, steps = MODELS[name], 16, 16, 400
     f = _away(model, fermi_dirac(model.velocities, 0.3, (0.1, 0.05)))
     waves = gas_scene(
@@ -360,7 +360,7 @@ def _h_of_boltzmann(laboratory: Laboratory, name: str) -> Judgement:
     skewed = waves.changed(initial=Occupations(kind="occupations", channels=tuple(f.tolist()), seed=0))
     rises, falls, curves = [], [], []
     for label, scene in (("waves", waves), ("one site's state, everywhere", skewed)):
-        h = laboratory.run(scene, BOLTZMANN).tallies["h_function"]
+        h = laboratory.run(scene, BOLTZMANN)["h_function"]
         rises.append(float(np.diff(h).max() / abs(h[0])))
         falls.append(float((h[0] - h[-1]) / abs(h[0])))
         curves.append(Series(f"{name}, {label}", list(range(1, steps + 1)), ((h[:-1] - h[-1]) / abs(h[0])).tolist()))
@@ -383,7 +383,7 @@ def _h_of_boltzmann(laboratory: Laboratory, name: str) -> Judgement:
     )
 
 
-def _h_of_ensemble(laboratory: Laboratory, name: str) -> Judgement:
+def _h_of_ensemble(laboratory: Laboratory, name: str) -> Judged:
     """Sites of a uniform gas are an ensemble: H of the mean occupations falls to that of Fermi-Dirac.
 
     The first step starts from independent channels, so the Boltzmann equation gives its fall exactly. Later ones have

@@ -24,7 +24,7 @@ from crosscheck.figure import Figure, Series
 from crosscheck.references import lattice_gas as known
 from crosscheck.scene import Floats, Obstacle, Output, Wave
 from crosscheck.statistics import independent_mean
-from crosscheck.verdict import Judgement, bounded, statistical, worst
+from crosscheck.verdict import Judged, bounded, statistical, worst
 from refimpl.lattice.models import MODELS
 from refimpl.lattice.theory import modes
 
@@ -87,11 +87,11 @@ def _fits(times: Floats, signals: Floats, damping: float, frequency: float) -> F
 # -- experiment 1 ----------------------------------------------------------------------------------------
 
 
-def _judge_hpp(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_hpp(laboratory: Laboratory, variant: str) -> Judged:
     return _hpp_box(laboratory) if variant == "box" else _hpp_periodic(laboratory)
 
 
-def _hpp_box(laboratory: Laboratory) -> Judgement:
+def _hpp_box(laboratory: Laboratory) -> Judged:
     """As described: sin(2 pi x/L) between rigid ends falls apart into cosines, of which the first prevails."""
     columns = 305
     wave = Wave(of="density", amplitude=0.1, mode=(1.0, 0.0), phase=-math.pi / 2)
@@ -153,7 +153,7 @@ def _hpp_box(laboratory: Laboratory) -> Judgement:
     return worst(judgements, note, (_curve("HPP box, d = 0.5", "crest, cell 15", box, 15),))
 
 
-def _hpp_periodic(laboratory: Laboratory) -> Judgement:
+def _hpp_periodic(laboratory: Laboratory) -> Judged:
     """With periodic edges the sine is a mode: bin 24; read as the index of an array that starts with 1, bin 25."""
     columns = 305
     k = 2 * math.pi / columns
@@ -205,7 +205,7 @@ def _hpp_periodic(laboratory: Laboratory) -> Judgement:
 # -- experiment 2 ----------------------------------------------------------------------------------------
 
 
-def _judge_fhp(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_fhp(laboratory: Laboratory, variant: str) -> Judged:
     """Period, sound speed and 'viscosity' of the thesis, and of the same runs; the wave feels the side walls."""
     density = float(variant.removeprefix("d"))
     columns, rows = 295, 100

@@ -34,7 +34,7 @@ from crosscheck.figure import Figure, Series
 from crosscheck.references import lattice_gas as known
 from crosscheck.scene import Floats, Method, Obstacle, Output, Wave
 from crosscheck.statistics import independent_mean
-from crosscheck.verdict import Judgement, bounded, statistical, worst
+from crosscheck.verdict import Judged, Judgement, bounded, statistical, worst
 from refimpl.lattice.models import MODELS, Model
 from refimpl.lattice.theory import modes, relaxation_rate
 
@@ -250,7 +250,7 @@ def shear_wave_viscosities(laboratory: Laboratory, name: str, density: float, ro
     return [decay_rate(signals.times, s, rate) / k**2 for s in signals.values]
 
 
-def _judge_shear(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_shear(laboratory: Laboratory, variant: str) -> Judged:
     """nu from the decay of a shear wave, beside Boltzmann's and Green-Kubo's; and the first step, which is exact."""
     name, density = named_density(variant)
     model = MODELS[name]
@@ -311,7 +311,7 @@ def _sound(
     return k, theory, np.array(fits), signals
 
 
-def _judge_sound_speed(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_sound_speed(laboratory: Laboratory, variant: str) -> Judged:
     """omega/k of a standing wave on 512 rows against theory; the deviation on 256 rows tells that of order k^2."""
     name, density = named_density(variant)
     deviations, speeds = [], []
@@ -351,7 +351,7 @@ def _judge_sound_speed(laboratory: Laboratory, variant: str) -> Judgement:
     )
 
 
-def _judge_attenuation(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_attenuation(laboratory: Laboratory, variant: str) -> Judged:
     """2 alpha/k^2 = nu + zeta/rho of a standing wave, beside Boltzmann's and Green-Kubo's; the first step is exact."""
     name, density = named_density(variant)
     model = MODELS[name]
@@ -403,7 +403,7 @@ def longitudinal(name: str, density: float) -> float:
 # -- Boltzmann iteration ---------------------------------------------------------------------------------
 
 
-def _judge_boltzmann(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_boltzmann(laboratory: Laboratory, variant: str) -> Judged:
     """Decay of small waves in the nonlinear iteration: k^2 nu, c_s k and k^2 (nu + zeta/rho)/2, as k goes to 0."""
     name, density = named_density(variant)
     model = MODELS[name]
@@ -454,7 +454,7 @@ def _vanishes(label: str, wavenumbers: list[float], errors: list[float]) -> Judg
 # -- advection -------------------------------------------------------------------------------------------
 
 
-def _judge_advection(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_advection(laboratory: Laboratory, variant: str) -> Judged:
     """A shear wave in a flow U along its wave vector drifts with g(rho) U, not with U."""
     name, density = named_density(variant)
     model = MODELS[name]
@@ -508,7 +508,7 @@ def _judge_advection(laboratory: Laboratory, variant: str) -> Judgement:
 # -- channel ---------------------------------------------------------------------------------------------
 
 
-def _judge_poiseuille(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_poiseuille(laboratory: Laboratory, variant: str) -> Judged:
     """A forced channel at d = 1/2, where g = 0: nu j'' = -F(y), no slip, and nu as the shear wave has it.
 
     The force pushes less where the gas moves, for it needs a particle to turn: its own profile F(y), counted exactly,
@@ -534,7 +534,7 @@ def _judge_poiseuille(laboratory: Laboratory, variant: str) -> Judgement:
     flow = populations(run)[:, 0] @ model.velocities.cartesian[:, 0] / columns
     per, first = steps // 50, warm // 50
     j = flow[first + 1 :].reshape(stretches, per, rows).mean(axis=1)
-    given = np.diff(run.tallies["force_impulse"][first::per], axis=0) / (columns * steps)
+    given = np.diff(run["force_impulse"][first::per], axis=0) / (columns * steps)
     step = model.velocities.row_height
     height = rows * step
     y = np.arange(rows) * step

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, fixed
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
 from crosscheck.checks.events.algorithm import LINEAR_SCAN, spheres
 from crosscheck.scene import Method, Output, explicit
-from crosscheck.verdict import Judgement, bounded
+from crosscheck.verdict import Judged, bounded
 
 TURNS = 7
 _SCHEDULERS = {"tree": "event_driven", "lists": "event_driven_lists", "calendar": "event_driven_calendar"}
 
 
-def _judge_lists(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_lists(laboratory: Laboratory, variant: str) -> Judged:
     """CPU time per collision of the documented scheduler over that of the fastest one."""
     number = int(variant.removeprefix("N"))
     melt = spheres(number, 0.5, laboratory.seed() % 2**31, duration=4.0)
     start = laboratory.run(melt, EVENT_DRIVEN, engine="refimpl")
     scene = melt.changed(
-        initial=explicit(start.final_positions, start.final_velocities),
+        initial=explicit(start["final_positions"], start["final_velocities"]),
         duration=1e6,
         output=Output(collisions=(20 * number,), observables=("collisions",)),
     )
@@ -42,7 +42,7 @@ def _judge_lists(laboratory: Laboratory, variant: str) -> Judgement:
 
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="performance/event-schedulers",
         title="Elastic spheres at n = 0.5: the documented lists and tree beside the other schedulers",
         equation="CPU seconds/collisions",

@@ -6,11 +6,11 @@ import time
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import Laboratory, fixed, legacy_check
 from crosscheck.checks.lattice.states import LOOKUP, NUMPY, PLANES, filled, gas_scene
 from crosscheck.faults import Fault
 from crosscheck.scene import Output
-from crosscheck.verdict import Judgement, bounded
+from crosscheck.verdict import Judged, Judgement, bounded
 from refimpl.lattice.models import MODELS
 
 TURNS, SIZE, STEPS = 7, 4096, 20
@@ -28,7 +28,7 @@ def copy_bandwidth() -> float:
     return 2 * source.nbytes / (time.perf_counter() - started)
 
 
-def _judge(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge(laboratory: Laboratory, variant: str) -> Judged:
     """Site updates per second of bit planes, as bytes moved, over those of a copy; the others, on a smaller lattice."""
     name, kind = variant.rsplit("-", 1)
     return _beside_memory(laboratory, name) if kind == "memory" else _beside_lookup(laboratory, name)
@@ -75,7 +75,7 @@ def _beside_lookup(laboratory: Laboratory, name: str) -> Judgement:
 
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="performance/lattice-gas",
         title="Lattice gases: bit planes beside the memory's bandwidth, and beside bytes",
         equation="site updates/seconds",

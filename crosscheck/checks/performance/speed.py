@@ -6,17 +6,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed
+from crosscheck.checks.base import Check, Laboratory, fixed, legacy_check
 from crosscheck.checks.stepping.lennard_jones import fluid
 from crosscheck.faults import Fault
 from crosscheck.scene import Gravity, Method, Scene, explicit
-from crosscheck.verdict import Judgement, bounded
+from crosscheck.verdict import Judged, bounded
 
 #: Turns of each engine; the median ratio counts, so that a disturbed turn does not.
 TURNS = 7
 
 
-def _judge(laboratory: Laboratory, scene: Scene, method: Method, peer: str, goal: float) -> Judgement:
+def _judge(laboratory: Laboratory, scene: Scene, method: Method, peer: str, goal: float) -> Judged:
     rates: dict[str, list[float]] = {laboratory.engine: [], peer: []}
     for turn in range(TURNS + 1):
         for engine, found in rates.items():
@@ -35,18 +35,20 @@ def _judge(laboratory: Laboratory, scene: Scene, method: Method, peer: str, goal
     )
 
 
-def _judge_lennard_jones(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_lennard_jones(laboratory: Laboratory, variant: str) -> Judged:
     """The melt of LAMMPS' own benchmark, lists rebuilt by displacement on both sides."""
     number = int(variant.removeprefix("N"))
     method = Method(scheme="velocity_verlet", dt=0.005)
     melt = fluid(number, 0.8442, 1.44, laboratory.seed(), duration=1.0)
     start = laboratory.run(melt, method, engine="refimpl")
     steps = 800_000 // number
-    scene = melt.changed(initial=explicit(start.final_positions, start.final_velocities), duration=steps * method.step)
+    scene = melt.changed(
+        initial=explicit(start["final_positions"], start["final_velocities"]), duration=steps * method.step
+    )
     return _judge(laboratory, scene, method, "lammps", 1.5)
 
 
-def _judge_gravity(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_gravity(laboratory: Laboratory, variant: str) -> Judged:
     """A softened cloud at rest, leap-frog on both sides: one evaluation of all pairs a step."""
     number = int(variant.removeprefix("N"))
     positions = np.random.default_rng(laboratory.seed()).normal(size=(number, 3))
@@ -65,12 +67,12 @@ def _judge_gravity(laboratory: Laboratory, variant: str) -> Judgement:
 def _check(
     name: str,
     title: str,
-    judge: Callable[[Laboratory, str], Judgement],
+    judge: Callable[[Laboratory, str], Judged],
     variants: tuple[str, ...],
     goal: str,
     fault: Fault,
 ) -> Check:
-    return Check(
+    return legacy_check(
         name=f"performance/{name}",
         title=title,
         equation="particles x steps / CPU seconds",

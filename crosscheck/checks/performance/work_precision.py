@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, Variants
+from crosscheck.checks.base import Check, Laboratory, legacy_check
 from crosscheck.checks.stepping import kepler
 from crosscheck.checks.stepping.kepler import SIGMAS, WHY_BIASED
 from crosscheck.checks.stepping.oscillator import MASS, OMEGA0, STIFFNESS
@@ -22,7 +23,7 @@ from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON, lennard_jones, oscillator
 from crosscheck.scene import Box, Explicit, Floats, Lattice, LennardJones, Method, Output, Scene, Spring, explicit
 from crosscheck.statistics import fitted_order
-from crosscheck.verdict import Judgement, order, round_off, worst
+from crosscheck.verdict import Judged, order, round_off, worst
 from refimpl.stepping.schemes import SCHEMES
 
 #: Times that every run is repeated, unless it takes longer than `LONG` CPU seconds; the median counts.
@@ -76,9 +77,8 @@ def _ladder(claims: Claims, first: int, second: int, higher: int, explicit: int,
 
 
 def _oscillator_error(run: Run) -> float:
-    assert run.positions is not None
-    exact, _ = oscillator.solution(run.time, _R0, _V0, OMEGA0, 0.0)
-    return np.inf if run.diverged else float(abs(run.positions[:, 0, 0] - exact).max() / _AMPLITUDE)
+    exact, _ = oscillator.solution(run["time"], _R0, _V0, OMEGA0, 0.0)
+    return np.inf if run.diverged else float(abs(run["positions"][:, 0, 0] - exact).max() / _AMPLITUDE)
 
 
 def _oscillator_floor(scheme: str, steps: float) -> float:
@@ -126,8 +126,7 @@ def _cluster_solution() -> Floats:
 
 
 def _cluster_error(run: Run) -> float:
-    assert run.positions is not None
-    return np.inf if run.diverged else float(abs(run.positions[1:] - _cluster_solution()).max())
+    return np.inf if run.diverged else float(abs(run["positions"][1:] - _cluster_solution()).max())
 
 
 def _cluster_steps(claims: Claims) -> Floats:
@@ -225,7 +224,7 @@ def expected_evaluations(engine: str, scheme: str, steps: int) -> int | None:
     return steps + 1 if engine == "lammps" else None
 
 
-def _judge(laboratory: Laboratory, scheme: str, problem: Problem) -> Judgement:
+def _judge(laboratory: Laboratory, scheme: str, problem: Problem) -> Judged:
     claims = laboratory.claims[scheme]
     numbers = problem.numbers(claims)
     if claims.order is None:  # adaptive: the step is its own
@@ -285,15 +284,17 @@ def _figures(
     return tuple(figures)
 
 
-def _variants(full: bool) -> Variants:
+def _variants(full: bool) -> Any:
     """All schemes on one figure in the full tier; in the quick one, those of `QUICK` and of other engines."""
     return lambda engine, schemes: tuple(
-        name for name, claims in schemes.items() if claims.stepping and (full or engine != "refimpl" or name in QUICK)
+        name
+        for name, claims in schemes.items()
+        if claims.kind == "stepping" and (full or engine != "refimpl" or name in QUICK)
     )
 
 
 def _check(problem: Problem, full: bool) -> Check:
-    return Check(
+    return legacy_check(
         name=f"performance/work-precision-{problem.name}" + "-full" * full,
         title=f"Work and precision on {problem.title}" + ": every scheme" * full,
         equation=problem.equation,

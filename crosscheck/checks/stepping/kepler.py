@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, Variants, schemes_with
+from crosscheck.checks.base import Check, Laboratory, legacy_check, legacy_schemes_with
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, Limit, extrapolate
 from crosscheck.engines.protocol import Claims, Run
 from crosscheck.faults import Fault
@@ -15,7 +16,7 @@ from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON, kepler
 from crosscheck.scene import Floats, Gravity, Kepler, Method, Output, Scene
 from crosscheck.statistics import fitted_order
-from crosscheck.verdict import Judgement, bounded, order, round_off, within, worst
+from crosscheck.verdict import Judged, bounded, order, round_off, within, worst
 
 # Nothing is 1 that could hide a missing factor, but mu = G (m_0 + m_1) = a^3, so that n = 1 and the period is 2 pi.
 MASSES, G, AXIS = (3.0, 1.0), 2.0, 2.0
@@ -55,11 +56,10 @@ def kepler_scene(eccentricity: float, periods: float, samples: int | None = None
 
 def position_error(run: Run, eccentricity: float) -> float:
     """Largest distance of a body from its place on the orbit, over all samples, in units of a; infinite if diverged."""
-    assert run.positions is not None
     if run.diverged:
         return np.inf
-    exact, _ = kepler.two_bodies(run.time, MASSES, eccentricity, AXIS, G)
-    return float(np.linalg.norm(run.positions - exact, axis=-1).max() / AXIS)
+    exact, _ = kepler.two_bodies(run["time"], MASSES, eccentricity, AXIS, G)
+    return float(np.linalg.norm(run["positions"] - exact, axis=-1).max() / AXIS)
 
 
 def rounding_floor(scheme: str, eccentricity: float, periods: float, steps: float) -> float:
@@ -91,7 +91,7 @@ def _orbit(variant: str) -> tuple[float, str]:
     return float(eccentricity.removeprefix("e")), scheme
 
 
-def _order_variants(full: bool) -> Variants:
+def _order_variants(full: bool) -> Any:
     def variants(engine: str, schemes: dict[str, Claims]) -> tuple[str, ...]:
         return tuple(
             f"e{e:g}/{name}"
@@ -107,7 +107,7 @@ def _order_variants(full: bool) -> Variants:
     return variants
 
 
-def _judge_order(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_order(laboratory: Laboratory, variant: str) -> Judged:
     e, scheme = _orbit(variant)
     nominal = nominal_order(scheme, laboratory.claims[scheme])
     numbers = step_numbers(e, COARSEST.get(nominal, 0.2), 3 if e == 0.99 else 4)
@@ -148,7 +148,7 @@ def _judge_order(laboratory: Laboratory, variant: str) -> Judgement:
 GEAR = ("gear3", "gear4", "gear4_velocity", "gear5", "gear5_velocity")
 
 
-def _judge_start(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_start(laboratory: Laboratory, scheme: str) -> Judged:
     """The error that is left once the orbit is that of the changed starting velocity has the claimed order."""
     claimed = laboratory.claims[scheme].order
     assert claimed is not None
@@ -160,13 +160,12 @@ def _judge_start(laboratory: Laboratory, scheme: str) -> Judgement:
     for n in numbers:
         dt = PERIOD / n
         run = laboratory.run(kepler_scene(e, 1, SAMPLES), Method(scheme=scheme, dt=dt))
-        assert run.positions is not None
         v = v0 * (1 + MU * dt**2 / (12 * r0**3))
         a = 1 / (2 / r0 - v**2 / MU)
-        exact, _ = kepler.relative_orbit(run.time, r0 / a - 1, a, MU)
-        rest.append(float(np.linalg.norm(kepler.relative(run.positions) - exact, axis=-1).max() / AXIS))
-        true, _ = kepler.relative_orbit(run.time, e, AXIS, MU)
-        plain.append(float(np.linalg.norm(kepler.relative(run.positions) - true, axis=-1).max() / AXIS))
+        exact, _ = kepler.relative_orbit(run["time"], r0 / a - 1, a, MU)
+        rest.append(float(np.linalg.norm(kepler.relative(run["positions"]) - exact, axis=-1).max() / AXIS))
+        true, _ = kepler.relative_orbit(run["time"], e, AXIS, MU)
+        plain.append(float(np.linalg.norm(kepler.relative(run["positions"]) - true, axis=-1).max() / AXIS))
     slope = fitted_order(1 / numbers, rest, rounding_floor(scheme, e, 1, numbers[-1]))
     series = (
         Series(f"{scheme}, zero start", (PERIOD / numbers).tolist(), plain),
@@ -206,7 +205,7 @@ SHADOWS = {
 }
 
 
-def _judge_invariants(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_invariants(laboratory: Laboratory, scheme: str) -> Judged:
     """20 periods at e = 0.5: energy, modified energy, angular momentum."""
     e, periods = 0.5, 20
     claimed = laboratory.claims[scheme].order
@@ -216,9 +215,7 @@ def _judge_invariants(laboratory: Laboratory, scheme: str) -> Judgement:
     energies, shadows, turning = [], [], []
     for n in numbers:
         run = laboratory.run(kepler_scene(e, periods, SAMPLES), Method(scheme=scheme, dt=PERIOD / n))
-        assert run.positions is not None
-        assert run.velocities is not None
-        r, v = kepler.relative(run.positions), kepler.relative(run.velocities)
+        r, v = kepler.relative(run["positions"]), kepler.relative(run["velocities"])
         energy = kepler.energy(r, v, MU) * (2 * AXIS / MU)
         energies.append(_departure(energy))
         if shadow is not None:
@@ -281,18 +278,16 @@ def _departure(series: Floats) -> float:
     return float(abs(series - series[0]).max())
 
 
-def _judge_drift(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_drift(laboratory: Laboratory, scheme: str) -> Judged:
     """An expected failure: the energy of the other schemes must be seen to drift."""
     claimed = laboratory.claims[scheme].order
     assert claimed is not None
     e = 0.5
     number, periods = (2048, 20) if claimed[0] == 1 else (64, 100)
     run = laboratory.run(kepler_scene(e, periods, SAMPLES), Method(scheme=scheme, dt=PERIOD / number))
-    assert run.positions is not None
-    assert run.velocities is not None
-    energy = kepler.energy(kepler.relative(run.positions), kepler.relative(run.velocities), MU) * (2 * AXIS / MU)
+    energy = kepler.energy(kepler.relative(run["positions"]), kepler.relative(run["velocities"]), MU) * (2 * AXIS / MU)
     first = _departure(energy[: SAMPLES + 1])
-    curve = Series(scheme, (run.time / PERIOD).tolist(), (energy + 1).tolist())
+    curve = Series(scheme, (run["time"] / PERIOD).tolist(), (energy + 1).tolist())
     return bounded(
         f"largest energy error, {periods} periods to the first",
         _departure(energy) / first,
@@ -312,31 +307,32 @@ TURNING = ("symplectic_euler", "verlet", "leapfrog", "velocity_verlet", "beeman"
 TURNING_STEP = 0.1
 
 
-def _turning_variants(full: bool) -> Variants:
+def _turning_variants(full: bool) -> Any:
     return lambda engine, schemes: tuple(
         f"e{e:g}/{name}" for e in (0.5, 0.9) for name in TURNING if name in schemes and (name in RARE) == full
     )
 
 
-def _judge_precession(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_precession(laboratory: Laboratory, variant: str) -> Judged:
     """Angle of the eccentricity vector per radian of mean anomaly, from apocentre to apocentre over 10 periods."""
     e, scheme = _orbit(variant)
     numbers = step_numbers(e, TURNING_STEP, 2)
     rates, theory = [], [kepler.precession(e, PERIOD / n) for n in numbers]
     for n in numbers:
         run = laboratory.run(kepler_scene(e, 10, 1), Method(scheme=scheme, dt=PERIOD / n))
-        assert run.positions is not None
-        assert run.velocities is not None
-        vector = kepler.eccentricity_vector(kepler.relative(run.positions), kepler.relative(run.velocities), MU)
+        vector = kepler.eccentricity_vector(kepler.relative(run["positions"]), kepler.relative(run["velocities"]), MU)
         angle = np.unwrap(np.arctan2(vector[:, 1], vector[:, 0]))
         angle -= angle[0]
-        rates.append(float(np.polyfit(run.time, angle, 1)[0]))
+        rates.append(float(np.polyfit(run["time"], angle, 1)[0]))
     coarse, fine = np.array(rates) / np.array(theory)
-    periods = run.time / PERIOD
+    periods = run["time"] / PERIOD
     series = (
         Series(scheme, periods.tolist(), angle.tolist()),
         Series(
-            f"theory, {numbers[1]:.0f} steps a period", periods.tolist(), (theory[1] * run.time).tolist(), theory=True
+            f"theory, {numbers[1]:.0f} steps a period",
+            periods.tolist(),
+            (theory[1] * run["time"]).tolist(),
+            theory=True,
         ),
     )
     return within(
@@ -361,7 +357,7 @@ def _extrapolated(laboratory: Laboratory, e: float, periods: int) -> tuple[Limit
         laboratory.run(kepler_scene(e, periods), Method(scheme="velocity_verlet", dt=PERIOD / n), engine="refimpl")
         for n in numbers
     ]
-    limit = extrapolate(1 / numbers, [kepler.relative(run.final_positions) / AXIS for run in runs])
+    limit = extrapolate(1 / numbers, [kepler.relative(run["final_positions"]) / AXIS for run in runs])
     each = np.array([rounding_floor("velocity_verlet", e, periods, n * periods) for n in numbers])
     return limit, float(np.sqrt(((limit.weights * each) ** 2).sum())), numbers
 
@@ -369,11 +365,11 @@ def _extrapolated(laboratory: Laboratory, e: float, periods: int) -> tuple[Limit
 def _rounding_variants(engine: str, schemes: dict[str, Claims]) -> tuple[str, ...]:
     if engine == "refimpl":  # e = 0.99 costs much, and is extrapolated against REBOUND
         return tuple(f"e{e:g}/velocity_verlet" for e in ECCENTRICITIES[:-1])
-    adaptive = [name for name, claims in schemes.items() if claims.stepping and claims.order is None]
+    adaptive = [name for name, claims in schemes.items() if claims.kind == "stepping" and claims.order is None]
     return tuple(f"e{e:g}/{name}" for e in ECCENTRICITIES for name in adaptive)
 
 
-def _judge_rounding(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_rounding(laboratory: Laboratory, variant: str) -> Judged:
     e, scheme = _orbit(variant)
     exact, _ = kepler.relative_orbit(0.0, e)
     if laboratory.engine == "refimpl":
@@ -389,14 +385,14 @@ def _judge_rounding(laboratory: Laboratory, variant: str) -> Judgement:
     run = laboratory.run(kepler_scene(e, 10), Method(scheme=scheme, dt=PERIOD / 1000))
     return round_off(
         "position error/a after 10 periods",
-        float(np.linalg.norm(kepler.relative(run.final_positions) / AXIS - exact)),
+        float(np.linalg.norm(kepler.relative(run["final_positions"]) / AXIS - exact)),
         SIGMAS * kepler.rounding_error(e, 10, run.cost.steps),
         WHY_ROUNDING,
         note=f"{run.cost.steps / 10:.0f} steps a period",
     )
 
 
-def _judge_against_rebound(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_against_rebound(laboratory: Laboratory, variant: str) -> Judged:
     """Velocity Verlet extrapolated to no step against IAS15, each with its own uncertainty."""
     e = float(variant.removeprefix("e"))
     reference = laboratory.run(kepler_scene(e, 1), Method(scheme="ias15", dt=PERIOD / 1000), engine="rebound")
@@ -404,7 +400,7 @@ def _judge_against_rebound(laboratory: Laboratory, variant: str) -> Judgement:
     theirs = SIGMAS * kepler.rounding_error(e, 1, reference.cost.steps)
     return round_off(
         "distance/a of the two final positions",
-        float(np.linalg.norm(limit.value - kepler.relative(reference.final_positions) / AXIS)),
+        float(np.linalg.norm(limit.value - kepler.relative(reference["final_positions"]) / AXIS)),
         limit.error + rounding + theirs,
         f"the extrapolation's own error, and of either code {WHY_ROUNDING}",
         note=f"extrapolation {limit.error:.1g}, its rounding {rounding:.1g}, IAS15's {theirs:.1g}",
@@ -504,7 +500,7 @@ _PRECESSION_FAULTS_FULL = (
 
 
 def _order_check(full: bool) -> Check:
-    return Check(
+    return legacy_check(
         name="stepping/kepler-order" + _FULL * full,
         title="Order of convergence on Kepler orbits, e = 0 to 0.99, against the closed form" + _REST * full,
         equation=_EQUATION,
@@ -520,14 +516,14 @@ def _order_check(full: bool) -> Check:
 
 
 def _drift_check(full: bool) -> Check:
-    return Check(
+    return legacy_check(
         name="stepping/kepler-drift" + _FULL * full,
         title="The energy of schemes that are not symplectic drifts on a Kepler orbit" + _REST * full,
         equation="E = v^2/2 - mu/r",
         criterion=f"expected failure: energy error of the whole run >= {DRIFT:g} times that of the first period",
         citation=_SHADOW,
         judge=_judge_drift,
-        variants=schemes_with(partial(_drifts, full)),
+        variants=legacy_schemes_with(partial(_drifts, full)),
         faults=_DRIFT_FAULTS_FULL if full else _DRIFT_FAULTS,
         tier="full" if full else "quick",
     )
@@ -540,7 +536,7 @@ def _drifts(full: bool, name: str, claims: Claims) -> bool:
 
 
 def _precession_check(full: bool) -> Check:
-    return Check(
+    return legacy_check(
         name="stepping/kepler-precession" + _FULL * full,
         title="Precession of the apsides under leap-frog steps, against the modified Hamiltonian's" + _REST * full,
         equation="d(varpi)/d(n t) = -(n dt)^2 (4 + e^2)/(16 (1 - e^2)^3), from <H_2> by Lagrange's planetary equation",
@@ -558,7 +554,7 @@ _FULL, _REST = "-full", ": the schemes left out of the quick tier"
 
 CHECKS = (
     *map(_order_check, (False, True)),
-    Check(
+    legacy_check(
         name="stepping/kepler-start",
         title="Gear's zero start on a Kepler orbit: a starting velocity off by dt^2 r'''/12, full order beside that",
         equation="v(0) -> v(0) - dt^2 r'''(0)/12, r''' = -mu v/r^3 at apocentre",
@@ -578,7 +574,7 @@ CHECKS = (
             ),
         ),
     ),
-    Check(
+    legacy_check(
         name="stepping/kepler-invariants",
         title="Energy, modified energy and angular momentum of symplectic schemes over 20 periods of a Kepler orbit",
         equation="velocity Verlet: E + dt^2 (v.U''.v/12 - |grad U|^2/24); symplectic Euler: E - dt v.grad U/2",
@@ -586,7 +582,7 @@ CHECKS = (
         f"2); no drift: error over 20 periods <= {DRIFT:g} times that of the first",
         citation=_SHADOW,
         judge=_judge_invariants,
-        variants=schemes_with(lambda name, claims: claims.order is not None and bool(claims.symplectic)),
+        variants=legacy_schemes_with(lambda name, claims: claims.order is not None and bool(claims.symplectic)),
         faults=(
             (
                 "velocity_verlet",
@@ -611,7 +607,7 @@ CHECKS = (
     ),
     *map(_drift_check, (False, True)),
     *map(_precession_check, (False, True)),
-    Check(
+    legacy_check(
         name="stepping/kepler-round-off",
         title="Kepler orbits in the limit of rounding: adaptive schemes, and velocity Verlet extrapolated to no step",
         equation=_EQUATION,
@@ -632,7 +628,7 @@ CHECKS = (
         ),
         engines=("refimpl", "rebound"),
     ),
-    Check(
+    legacy_check(
         name="stepping/kepler-against-rebound",
         title="Velocity Verlet extrapolated to no step against REBOUND's IAS15, after one period",
         equation="r'' = -mu r/|r|^3",

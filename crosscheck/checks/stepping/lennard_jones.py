@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, fixed, schemes_with
+from crosscheck.checks.base import Laboratory, fixed, legacy_check, legacy_schemes_with
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
@@ -13,7 +13,7 @@ from crosscheck.references import EPSILON
 from crosscheck.references import lennard_jones as reference
 from crosscheck.scene import Box, Floats, Lattice, LennardJones, Method, Observable, Output, Scene, Wall, explicit
 from crosscheck.statistics import correlated_mean, fitted_order, standard_error
-from crosscheck.verdict import Judgement, bounded, order, round_off, statistical, worst
+from crosscheck.verdict import Judged, Judgement, bounded, order, round_off, statistical, worst
 
 OBSERVABLES: tuple[Observable, ...] = ("kinetic_energy", "potential_energy", "virial")
 _STILL = Method(scheme="velocity_verlet", dt=0.005)
@@ -84,10 +84,7 @@ class _Static:
     """Forces, energy and virial of a run of no steps."""
 
     def __init__(self, run: Run) -> None:
-        assert run.forces is not None
-        assert run.potential_energy is not None
-        assert run.virial is not None
-        self.forces, self.energy, self.virial = run.forces, run.potential_energy[0], run.virial[0]
+        self.forces, self.energy, self.virial = run["forces"], run["potential_energy"][0], run["virial"][0]
 
 
 def _compare(measured: _Static, other: _Static | reference.PairSum, sums: reference.PairSum, against: str) -> Judgement:
@@ -108,13 +105,13 @@ def _compare(measured: _Static, other: _Static | reference.PairSum, sums: refere
     )
 
 
-def _judge_forms(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_forms(laboratory: Laboratory, variant: str) -> Judged:
     scene = _shaken(_forms()[variant], 0.05, laboratory.seed())
     sums = reference.pair_sum(scene)
     return _compare(_Static(laboratory.run(scene, _STILL)), sums, sums, "a direct pair sum")
 
 
-def _judge_configuration(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_configuration(laboratory: Laboratory, variant: str) -> Judged:
     scene = _shaken(fluid(4000, 0.8442, 0.0, 0), 0.05, laboratory.seed())
     sums = reference.pair_sum(scene)
     other = laboratory.run(scene, _STILL, engine=variant.removeprefix("against-"))
@@ -131,9 +128,7 @@ DISTURBANCE = 1e-13
 
 
 def _separation(one: Run, two: Run) -> Floats:
-    assert one.positions is not None
-    assert two.positions is not None
-    return np.sqrt(((one.positions - two.positions) ** 2).mean(axis=(1, 2)))
+    return np.sqrt(((one["positions"] - two["positions"]) ** 2).mean(axis=(1, 2)))
 
 
 def _start(seed: int) -> Scene:
@@ -146,7 +141,7 @@ def _start(seed: int) -> Scene:
     )
 
 
-def _judge_early(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_early(laboratory: Laboratory, variant: str) -> Judged:
     """The first 20 steps, one by one: only rounding may separate the two."""
     scene = _start(laboratory.seed()).changed(
         duration=EARLY_STEPS * _STILL.step, output=Output(interval=_STILL.step, trajectory=True)
@@ -181,7 +176,7 @@ def _horizon(time: Floats, separation: Floats) -> float:
     return float(time[np.flatnonzero(separation > 1e-6)[0]])
 
 
-def _judge_growth(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_growth(laboratory: Laboratory, variant: str) -> Judged:
     """Two engines must part as one parts from itself when disturbed by 1e-13: at the same rate, and no sooner."""
     other = variant.removeprefix("against-")
     rates, horizons = np.empty((2, STARTS)), np.empty((2, STARTS))
@@ -194,12 +189,12 @@ def _judge_growth(laboratory: Laboratory, variant: str) -> Judgement:
         run = laboratory.run(scene, _STILL)
         apart = _separation(run, laboratory.run(scene, _STILL, engine=other))
         twin = _separation(run, laboratory.run(scene.changed(initial=explicit(positions, state.velocities)), _STILL))
-        rates[:, number] = [_growth_rate(run.time, part) for part in (apart, twin)]
-        horizons[:, number] = [_horizon(run.time, part) for part in (apart, twin)]
+        rates[:, number] = [_growth_rate(run["time"], part) for part in (apart, twin)]
+        horizons[:, number] = [_horizon(run["time"], part) for part in (apart, twin)]
         if number == 0:
             shown = slice(1, None, 3)
             for label, values in ((f"{laboratory.engine} and {other}", apart), ("disturbed by 1e-13", twin)):
-                curves.append(Series(label, run.time[shown].tolist(), values[shown].tolist()))
+                curves.append(Series(label, run["time"][shown].tolist(), values[shown].tolist()))
     means, errors = rates.mean(axis=1), standard_error(rates.T)
     rate = statistical(
         f"growth rate of the separation from {other}",
@@ -243,7 +238,7 @@ def _drop(number: int, density: float, temperature: float, seed: int) -> Scene:
 DRIFT_STEPS = {1: (0.001, 0.0005, 0.00025, 0.000125), 2: (0.004, 0.002, 0.001, 0.0005)}
 
 
-def _judge_energy_error(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_energy_error(laboratory: Laboratory, scheme: str) -> Judged:
     """Rms of E(t) - E(0) a particle over a time unit of a hot drop, the cutoff beyond it, so that E is smooth."""
     claims = laboratory.claims[scheme]
     assert claims.order is not None
@@ -253,16 +248,14 @@ def _judge_energy_error(laboratory: Laboratory, scheme: str) -> Judgement:
     # the higher derivatives that Gear's schemes start from are zero here, which leaves order 2
     nominal = min(*claims.order, 2)
     scene = melt.changed(
-        initial=explicit(start.final_positions, start.final_velocities),
+        initial=explicit(start["final_positions"], start["final_velocities"]),
         duration=1.0,
         output=Output(interval=0.02, observables=("kinetic_energy", "potential_energy")),
     )
     errors = []
     for dt in DRIFT_STEPS[nominal]:
         run = laboratory.run(scene, Method(scheme=scheme, dt=dt))
-        assert run.kinetic_energy is not None
-        assert run.potential_energy is not None
-        energy = (run.kinetic_energy + run.potential_energy) / scene.number
+        energy = (run["kinetic_energy"] + run["potential_energy"]) / scene.number
         errors.append(float(np.sqrt(((energy - energy[0]) ** 2).mean())))
     slope = fitted_order(DRIFT_STEPS[nominal], errors, 1e3 * EPSILON)
     curve = Series(scheme, list(DRIFT_STEPS[nominal]), errors)
@@ -296,12 +289,12 @@ def _equilibrated(laboratory: Laboratory, point: str) -> Scene:
     scene = fluid(PARTICLES, density, 2 * temperature, laboratory.seed(), cutoff=CUTOFF, duration=100 * AVERAGE_DT)
     for _ in range(10):
         run = laboratory.run(scene, method, engine="refimpl")
-        kinetic = 0.5 * (run.final_velocities**2).sum()
+        kinetic = 0.5 * (run["final_velocities"] ** 2).sum()
         scale = np.sqrt(temperature / _temperature(scene, kinetic))
-        scene = scene.changed(initial=explicit(run.final_positions, scale * run.final_velocities))
+        scene = scene.changed(initial=explicit(run["final_positions"], scale * run["final_velocities"]))
     run = laboratory.run(scene.changed(duration=500 * AVERAGE_DT), method, engine="refimpl")
     return scene.changed(
-        initial=explicit(run.final_positions, run.final_velocities),
+        initial=explicit(run["final_positions"], run["final_velocities"]),
         duration=AVERAGE_STEPS * AVERAGE_DT,
         output=Output(interval=AVERAGE_EVERY * AVERAGE_DT, observables=OBSERVABLES),
     )
@@ -309,17 +302,14 @@ def _equilibrated(laboratory: Laboratory, point: str) -> Scene:
 
 def _series(scene: Scene, run: Run) -> dict[str, Floats]:
     """T, u = U/N and p at every sample, without long-range corrections."""
-    assert run.kinetic_energy is not None
-    assert run.potential_energy is not None
-    assert run.virial is not None
     return {
-        "T": np.asarray(_temperature(scene, run.kinetic_energy)),
-        "u": run.potential_energy / scene.number,
-        "p": (2 * run.kinetic_energy + run.virial) / (scene.dimension * scene.volume()),
+        "T": np.asarray(_temperature(scene, run["kinetic_energy"])),
+        "u": run["potential_energy"] / scene.number,
+        "p": (2 * run["kinetic_energy"] + run["virial"]) / (scene.dimension * scene.volume()),
     }
 
 
-def _judge_equation_of_state(laboratory: Laboratory, point: str) -> Judgement:
+def _judge_equation_of_state(laboratory: Laboratory, point: str) -> Judged:
     """u and p at the temperature that the run has, against the equations of state."""
     scene = _equilibrated(laboratory, point)
     density = STATE_POINTS[point][0]
@@ -353,7 +343,7 @@ def _judge_equation_of_state(laboratory: Laboratory, point: str) -> Judgement:
     return worst(judgements, f"T = {t.value:.4f} +- {t.error:.4f}")
 
 
-def _judge_averages(laboratory: Laboratory, variant: str) -> Judgement:
+def _judge_averages(laboratory: Laboratory, variant: str) -> Judged:
     """T, u and p of two engines that start from one state: the same energy, hence the same averages."""
     point, _, other = variant.partition("-against-")
     scene = _equilibrated(laboratory, point)
@@ -389,7 +379,7 @@ def _kernel_fault(name: str, old: str, new: str, breaks: str) -> Fault:
 
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="stepping/lennard-jones-forms",
         title="Forces, energy and virial in every form of the potential, against a direct pair sum",
         equation=f"{_POTENTIAL}; truncated, shifted, force-shifted; sigma and r_m = 2^(1/6) sigma; mixtures; walls; 2D",
@@ -419,7 +409,7 @@ CHECKS = (
         ),
         engines=("refimpl", "lammps", "ase"),
     ),
-    Check(
+    legacy_check(
         name="stepping/lennard-jones-configuration",
         title="Forces, energy and virial of one configuration of 4000 particles, engine against engine",
         equation=_POTENTIAL,
@@ -439,7 +429,7 @@ CHECKS = (
             ),
         ),
     ),
-    Check(
+    legacy_check(
         name="stepping/lennard-jones-trajectory",
         title="The first 20 steps at constant energy, engine against engine",
         equation="m a = F, velocity Verlet, rho = 0.8442, dt = 0.005",
@@ -459,7 +449,7 @@ CHECKS = (
             ),
         ),
     ),
-    Check(
+    legacy_check(
         name="stepping/lennard-jones-chaos",
         title="Growth of the separation between two engines, against that of one engine disturbed by 1e-13",
         equation="|delta r(t)| ~ |delta r(0)| exp(lambda t)",
@@ -479,14 +469,14 @@ CHECKS = (
             ),
         ),
     ),
-    Check(
+    legacy_check(
         name="stepping/lennard-jones-energy",
         title="Error of the energy of a hot drop against the time step, every scheme",
         equation="sqrt(mean (E(t) - E(0))^2) ~ dt^p, all pairs, open space",
         criterion=f"fitted order = claimed, at most 2, +- {ORDER_TOLERANCE} or twice the departure of local slopes",
         citation="Allen & Tildesley, Computer Simulation of Liquids (1987), section 3.2",
         judge=_judge_energy_error,
-        variants=schemes_with(lambda name, claims: claims.order is not None),
+        variants=legacy_schemes_with(lambda name, claims: claims.order is not None),
         faults=(
             (
                 "velocity_verlet",
@@ -501,7 +491,7 @@ CHECKS = (
         ),
         engines=("refimpl", "lammps"),
     ),
-    Check(
+    legacy_check(
         name="stepping/lennard-jones-equation-of-state",
         title="Energy and pressure of the fluid at constant energy, against two equations of state",
         equation="u = <U>/N + u_tail, p = (2 <K> + <W>)/3V + p_tail, at T = 2 <K>/(3 (N - 1))",
@@ -522,7 +512,7 @@ CHECKS = (
         ),
         engines=("refimpl", "lammps"),
     ),
-    Check(
+    legacy_check(
         name="stepping/lennard-jones-averages",
         title="Temperature, energy and pressure from one start, engine against engine",
         equation="T = 2 <K>/(3 (N - 1)), u = <U>/N, p = (2 <K> + <W>)/3V",

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.base import Check, Laboratory, legacy_check, legacy_schemes_with
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
 from crosscheck.engines.protocol import Claims, Run
 from crosscheck.faults import Fault
@@ -14,7 +14,7 @@ from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON, oscillator
 from crosscheck.scene import Explicit, Floats, Method, Output, Scene, Spring
 from crosscheck.statistics import fitted_order
-from crosscheck.verdict import Judgement, order, round_off, worst
+from crosscheck.verdict import Judged, order, round_off, worst
 
 # The documented case (SI units): m = 70 kg, k = 1e4 N/m, gamma = 100 kg/s, 5 s, r = 1 m, v = -A gamma/2m.
 MASS, STIFFNESS = 70.0, 1e4
@@ -48,12 +48,10 @@ def oscillator_scene(regime: str, samples: int = SAMPLES) -> Scene:
 def errors_against_closed_form(run: Run, regime: str) -> tuple[float, float]:
     """Largest errors of r, in units of r0, and of v, in units of omega0 r0; infinite after a divergence."""
     gamma, _, r0, v0 = REGIMES[regime]
-    r, v = oscillator.solution(run.time, r0, v0, OMEGA0, (gamma or 0.0) / (2 * MASS))
-    assert run.positions is not None
-    assert run.velocities is not None
+    r, v = oscillator.solution(run["time"], r0, v0, OMEGA0, (gamma or 0.0) / (2 * MASS))
     if run.diverged:
         return np.inf, np.inf
-    return float(abs(run.positions[:, 0, 0] - r).max()), float(abs(run.velocities[:, 0, 0] - v).max() / OMEGA0)
+    return float(abs(run["positions"][:, 0, 0] - r).max()), float(abs(run["velocities"][:, 0, 0] - v).max() / OMEGA0)
 
 
 def time_steps(regime: str, nominal: int) -> Floats:
@@ -68,7 +66,7 @@ def time_steps(regime: str, nominal: int) -> Floats:
     return duration / SAMPLES / (coarsest * 2.0 ** np.arange(5))
 
 
-def _judge_order(laboratory: Laboratory, scheme: str, regime: str) -> Judgement:
+def _judge_order(laboratory: Laboratory, scheme: str, regime: str) -> Judged:
     claims = laboratory.claims[scheme]
     nominal = claims.order if regime == "undamped" else claims.order_damped
     assert nominal is not None
@@ -97,7 +95,7 @@ def _judge_order(laboratory: Laboratory, scheme: str, regime: str) -> Judgement:
     return worst(judgements, f"error at omega0 dt = {OMEGA0 * steps[0]:.2g}: {errors[0, 0]:.2g} r0")
 
 
-def _judge_exact(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_exact(laboratory: Laboratory, scheme: str) -> Judged:
     """200 steps of a damped oscillator at omega0 dt = 0.2 against the power of the scheme's matrix."""
     steps, dt, beta = 200, 0.2 / OMEGA0, 0.1 * OMEGA0
     r0, v0 = 1.0, 0.7 * OMEGA0
@@ -111,10 +109,8 @@ def _judge_exact(laboratory: Laboratory, scheme: str) -> Judgement:
         output=Output(interval=dt, trajectory=True),
     )
     run = laboratory.run(scene, Method(scheme=scheme, dt=dt))
-    assert run.positions is not None
-    assert run.velocities is not None
     r, v = oscillator.numerical_solution(scheme, steps, dt, r0, v0, OMEGA0, beta)
-    error = max(abs(run.positions[:, 0, 0] - r).max(), abs(run.velocities[:, 0, 0] - v).max() / OMEGA0)
+    error = max(abs(run["positions"][:, 0, 0] - r).max(), abs(run["velocities"][:, 0, 0] - v).max() / OMEGA0)
     return round_off(
         "largest difference from the exact numerical solution",
         float(error),
@@ -254,14 +250,14 @@ _FAULTS = {
 
 
 def _regime_check(regime: str) -> Check:
-    return Check(
+    return legacy_check(
         name=f"stepping/oscillator-{regime}",
         title=f"Order of convergence of every scheme on the {regime} harmonic oscillator, against the closed form",
         equation=_EQUATIONS[regime],
         criterion=f"fitted order of the largest error of r and of v = claimed order +- {ORDER_TOLERANCE}: {WHY_ORDER}",
         citation=_LANDAU,
         judge=partial(_judge_order, regime=regime),
-        variants=schemes_with(
+        variants=legacy_schemes_with(
             lambda name, claims: (claims.order if regime == "undamped" else claims.order_damped) is not None
         ),
         faults=(_FAULTS[regime],),
@@ -271,14 +267,14 @@ def _regime_check(regime: str) -> Check:
 
 CHECKS = (
     *map(_regime_check, REGIMES),
-    Check(
+    legacy_check(
         name="stepping/oscillator-exact",
         title="200 steps of the damped oscillator against the scheme's exact numerical solution, a power of its matrix",
         equation="(r, v dt)_n = R M^n S (r0, v0 dt); a dt^2 = -(omega0 dt)^2 r - (gamma dt/m) v dt",
         criterion="largest difference <= 800 eps: four roundings a step",
         citation="Gear, Numerical Initial Value Problems in ODEs (1971); Nordsieck, Math. Comp. 16, 22 (1962)",
         judge=_judge_exact,
-        variants=schemes_with(has_matrix),
+        variants=legacy_schemes_with(has_matrix),
         faults=COEFFICIENTS,
         engines=("refimpl", "lammps"),
     ),

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.base import Laboratory, legacy_check, legacy_schemes_with
 from crosscheck.checks.stepping.oscillator import has_matrix
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON, oscillator
 from crosscheck.scene import Explicit, Floats, Gravity, Kepler, Method, Output, Scene, Spring, explicit
-from crosscheck.verdict import Judgement, bounded, within
+from crosscheck.verdict import Judged, bounded, within
 
 _SCHEMES_FILE = "stepping/schemes.py"
 
@@ -36,14 +36,12 @@ def _unit_oscillator(duration: float, interval: float | None = None) -> Scene:
 
 def _log_amplitudes(run: Run) -> Floats:
     """ln sqrt(r^2 + v^2) at each sample; infinite where it is not finite."""
-    assert run.positions is not None
-    assert run.velocities is not None
-    amplitudes = np.hypot(run.positions[:, 0, 0], run.velocities[:, 0, 0])
+    amplitudes = np.hypot(run["positions"][:, 0, 0], run["velocities"][:, 0, 0])
     with np.errstate(divide="ignore"):  # a damped amplitude may underflow to zero
         return np.log(np.where(np.isfinite(amplitudes), amplitudes, np.inf))
 
 
-def _judge_limit(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_limit(laboratory: Laboratory, scheme: str) -> Judged:
     """Bisects on whether STEPS steps raise the amplitude.
 
     Where a strict limit exists: by more than 1e6, for Verlet's amplitude oscillates by 1/sqrt(2 - omega0 dt) just below
@@ -118,10 +116,10 @@ def _start() -> tuple[Floats, Floats]:
 def _mapped(laboratory: Laboratory, scheme: str, state: Floats) -> Floats:
     r, v = state[:4].reshape(2, 2), state[4:].reshape(2, 2)
     run = laboratory.run(_orbit(r, v, MAP_STEPS), Method(scheme=scheme, dt=MAP_DT))
-    return np.concatenate([run.final_positions.ravel(), run.final_velocities.ravel()])
+    return np.concatenate([run["final_positions"].ravel(), run["final_velocities"].ravel()])
 
 
-def _judge_symplectic(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_symplectic(laboratory: Laboratory, scheme: str) -> Judged:
     """|| J^T Omega J - Omega || of the map from the first to the last (r, v), J by fourth-order differences."""
     state = np.concatenate([part.ravel() for part in _start()])
     jacobians = [np.empty((8, 8)), np.empty((8, 8))]
@@ -145,14 +143,14 @@ def _judge_symplectic(laboratory: Laboratory, scheme: str) -> Judgement:
     return bounded(quantity, defect, 100 * uncertain, f"100 times {why}", expected_failure=True)
 
 
-def _judge_reversible(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_reversible(laboratory: Laboratory, scheme: str) -> Judged:
     """Forward, velocities turned, forward again with the scheme's own start: how far from the initial state."""
     r, v = _start()
     there = laboratory.run(_orbit(r, v, MAP_STEPS), Method(scheme=scheme, dt=MAP_DT))
     back = laboratory.run(
-        _orbit(there.final_positions, -there.final_velocities, MAP_STEPS), Method(scheme=scheme, dt=MAP_DT)
+        _orbit(there["final_positions"], -there["final_velocities"], MAP_STEPS), Method(scheme=scheme, dt=MAP_DT)
     )
-    error = float(max(abs(back.final_positions - r).max(), abs(back.final_velocities + v).max()))
+    error = float(max(abs(back["final_positions"] - r).max(), abs(back["final_velocities"] + v).max()))
     # rounding grows with the sensitivity of the orbit, some 10 per passage of the pericentre
     limit = 1e3 * EPSILON * MAP_STEPS
     why = f"a few roundings in each of 2 x {MAP_STEPS} steps, times the orbit's sensitivity of about 100"
@@ -168,7 +166,7 @@ PERIODS = 100_000
 DRIFT_H = 2 * np.pi / 50
 
 
-def _judge_drift(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_drift(laboratory: Laboratory, scheme: str) -> Judged:
     """Growth of the energy per radian at 50 steps a period, against twice the eigenvalues' growth of the amplitude."""
     rate = 2 * oscillator.growth_rate(scheme, float(DRIFT_H)) / DRIFT_H
     rate = float(rate) if abs(rate) > 4 * EPSILON / DRIFT_H else 0.0
@@ -177,14 +175,12 @@ def _judge_drift(laboratory: Laboratory, scheme: str) -> Judgement:
     chunk = steps // 50
     scene = _unit_oscillator(steps * DRIFT_H, chunk * DRIFT_H)
     run = laboratory.run(scene, Method(scheme=scheme, dt=float(DRIFT_H)))
-    assert run.positions is not None
-    assert run.velocities is not None
-    energy = _energies(run.positions[:, 0, 0], run.velocities[:, 0, 0])
-    slope, scatter = _slope(run.time[1:], np.log(energy[1:]))
+    energy = _energies(run["positions"][:, 0, 0], run["velocities"][:, 0, 0])
+    slope, scatter = _slope(run["time"][1:], np.log(energy[1:]))
     # the phase at which the energy is looked at creeps round: over the run, that moves it by its swing in a period
     swing = np.log(_energies(*oscillator.numerical_solution(scheme, 50, float(DRIFT_H), 1.0, 0.7, 1.0, 0.0)))
     tolerance = 4 * scatter + float(np.ptp(swing)) / (steps * DRIFT_H) + 4 * EPSILON / DRIFT_H
-    curve = Series(scheme, run.time.tolist(), (energy / energy[0] - 1).tolist())
+    curve = Series(scheme, run["time"].tolist(), (energy / energy[0] - 1).tolist())
     return within(
         "order",
         "growth of ln(energy) per radian",
@@ -220,14 +216,14 @@ _LITERATURE = (
 )
 
 CHECKS = (
-    Check(
+    legacy_check(
         name="stepping/stability-limit",
         title="Largest stable step on the undamped oscillator, by bisection, against the step matrix's eigenvalues",
         equation="largest |eigenvalue of M(omega0 dt)| = 1; where that holds for no step, = 1.01",
         criterion=f"twice the distance from the limit at which {STEPS} steps show it",
         citation=_LITERATURE,
         judge=_judge_limit,
-        variants=schemes_with(has_matrix),
+        variants=legacy_schemes_with(has_matrix),
         faults=(
             (
                 "euler_pc",
@@ -250,14 +246,14 @@ CHECKS = (
         ),
         engines=("refimpl", "lammps"),
     ),
-    Check(
+    legacy_check(
         name="stepping/symplectic",
         title="Symplectic or not: Jacobian of 20 steps of an eccentric orbit, start included",
         equation="J^T Omega J = Omega",
         criterion="defect <= 16 |J| |dJ| if claimed, dJ the error of the differences; found > 100 times that if denied",
         citation=_LITERATURE,
         judge=_judge_symplectic,
-        variants=schemes_with(lambda name, claims: claims.order is not None and claims.symplectic is not None),
+        variants=legacy_schemes_with(lambda name, claims: claims.order is not None and claims.symplectic is not None),
         faults=(
             (
                 "velocity_verlet",
@@ -280,14 +276,14 @@ CHECKS = (
         ),
         engines=("refimpl", "lammps", "rebound"),
     ),
-    Check(
+    legacy_check(
         name="stepping/reversible",
         title="Reversible or not: 20 steps of an eccentric orbit there and, velocities turned, back",
         equation="R Phi R Phi = 1, R (r, v) = (r, -v)",
         criterion="distance from the start <= 1e3 eps x 20 if claimed, found > 100 times that if denied",
         citation=_LITERATURE,
         judge=_judge_reversible,
-        variants=schemes_with(lambda name, claims: claims.order is not None and claims.reversible is not None),
+        variants=legacy_schemes_with(lambda name, claims: claims.order is not None and claims.reversible is not None),
         faults=(
             (
                 "verlet",
@@ -301,14 +297,14 @@ CHECKS = (
         ),
         engines=("refimpl", "lammps", "rebound"),
     ),
-    Check(
+    legacy_check(
         name="stepping/energy-drift",
         title="Growth of the energy over 1e5 periods, 50 steps each: none for symplectic schemes, theory's for others",
         equation="d ln E/d(omega0 t) = 2 ln(largest |eigenvalue|)/(omega0 dt)",
         criterion="four standard errors of the slope + swing of ln E within a period/duration + four roundings a step",
         citation=_LITERATURE,
         judge=_judge_drift,
-        variants=schemes_with(has_matrix),
+        variants=legacy_schemes_with(has_matrix),
         faults=(
             (
                 "velocity_verlet",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, Variants
+from crosscheck.checks.base import Check, Laboratory, legacy_check
 from crosscheck.checks.stepping.kepler import RARE, SEQUENCE, SIGMAS, nominal_order
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, Limit, extrapolate
 from crosscheck.engines.protocol import Claims
@@ -14,7 +16,7 @@ from crosscheck.references import three_body
 from crosscheck.references.three_body import FIGURE_EIGHT, PYTHAGOREAN, RETURN_ERROR, ThreeBodies
 from crosscheck.scene import Floats, Gravity, Method, Scene, explicit
 from crosscheck.statistics import fitted_order
-from crosscheck.verdict import Judgement, order, round_off, within, worst
+from crosscheck.verdict import Judged, order, round_off, within, worst
 
 WHY_ROUNDING = "10 standard deviations of independent roundings of the state in every step, carried to the end"
 
@@ -45,7 +47,7 @@ def _extrapolated(laboratory: Laboratory, scene: Scene, problem: ThreeBodies, co
     """Final positions and velocities of velocity Verlet at no step, shape (2, N, d), and what rounding adds to them."""
     numbers = coarsest * SEQUENCE
     runs = [laboratory.run(scene, Method(scheme="velocity_verlet", dt=problem.time / n)) for n in numbers]
-    limit = extrapolate(1 / numbers, [np.array([run.final_positions, run.final_velocities]) for run in runs])
+    limit = extrapolate(1 / numbers, [np.array([run["final_positions"], run["final_velocities"]]) for run in runs])
     each = np.array([problem.rounding_error(n) for n in numbers])
     return limit, SIGMAS * float(np.sqrt(((limit.weights * each) ** 2).sum()))
 
@@ -62,26 +64,26 @@ def _best(
         return limit.value[0], limit.value[1], limit.error + rounding, note
     run = laboratory.run(scene, Method(scheme=scheme, dt=problem.time / 10_000))
     rounding = SIGMAS * problem.rounding_error(run.cost.steps, even=False)
-    return run.final_positions, run.final_velocities, rounding, f"{run.cost.steps} steps"
+    return run["final_positions"], run["final_velocities"], rounding, f"{run.cost.steps} steps"
 
 
 def _best_schemes(engine: str, schemes: dict[str, Claims]) -> tuple[str, ...]:
     """velocity Verlet, extrapolated, of `refimpl`; the adaptive schemes of others."""
     if engine == "refimpl":
         return ("velocity_verlet",)
-    return tuple(name for name, claims in schemes.items() if claims.stepping and claims.order is None)
+    return tuple(name for name, claims in schemes.items() if claims.kind == "stepping" and claims.order is None)
 
 
 # -- the figure eight --------------------------------------------------------------------------------------------------
 
 
-def _judge_order(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_order(laboratory: Laboratory, scheme: str) -> Judged:
     nominal = nominal_order(scheme, laboratory.claims[scheme])
     numbers = (2048 if nominal == 1 else 512) * 2.0 ** np.arange(4)
     errors = []
     for n in numbers:
         run = laboratory.run(EIGHT, Method(scheme=scheme, dt=FIGURE_EIGHT.time / n))
-        errors.append(_furthest(run.final_positions, FIGURE_EIGHT.final_positions))
+        errors.append(_furthest(run["final_positions"], FIGURE_EIGHT.final_positions))
     lever = numbers[-1] / FIGURE_EIGHT.time if scheme == "verlet" else 1.0
     slope = fitted_order(1 / numbers, errors, SIGMAS * lever * FIGURE_EIGHT.rounding_error(numbers[-1]))
     curve = Series(scheme, (FIGURE_EIGHT.time / numbers).tolist(), errors)
@@ -97,7 +99,7 @@ def _judge_order(laboratory: Laboratory, scheme: str) -> Judgement:
     )
 
 
-def _order_variants(full: bool) -> Variants:
+def _order_variants(full: bool) -> Any:
     """WHFast is for planets about one star: three equal bodies are no perturbed Kepler orbits."""
     return lambda engine, schemes: tuple(
         name
@@ -106,7 +108,7 @@ def _order_variants(full: bool) -> Variants:
     )
 
 
-def _judge_return(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_return(laboratory: Laboratory, scheme: str) -> Judged:
     r, v, uncertainty, note = _best(laboratory, scheme, EIGHT, FIGURE_EIGHT, 128)
     masses = np.array(FIGURE_EIGHT.masses)
     # of the energy, and of the angular momentum, with respect to the state: 2.35 and 2.11 at the start
@@ -147,7 +149,7 @@ def _judge_return(laboratory: Laboratory, scheme: str) -> Judgement:
 # -- the Pythagorean problem -------------------------------------------------------------------------------------------
 
 
-def _judge_pythagorean(laboratory: Laboratory, scheme: str) -> Judgement:
+def _judge_pythagorean(laboratory: Laboratory, scheme: str) -> Judged:
     r, _, uncertainty, note = _best(laboratory, scheme, TRIANGLE, PYTHAGOREAN, 120_000)
     return round_off(
         "largest position error at t = 10",
@@ -170,7 +172,7 @@ def _fault(file: str, name: str, old: str, new: str, breaks: str) -> Fault:
 
 
 def _order_check(full: bool) -> Check:
-    return Check(
+    return legacy_check(
         name="stepping/figure-eight-order" + "-full" * full,
         title="Order of convergence on the figure-eight orbit of three bodies" + _REST * full,
         equation=_EQUATION,
@@ -211,7 +213,7 @@ def _order_check(full: bool) -> Check:
 
 CHECKS = (
     *map(_order_check, (False, True)),
-    Check(
+    legacy_check(
         name="stepping/figure-eight",
         title="Figure-eight orbit of three bodies: back at the start after a period, energy and angular momentum kept",
         equation=f"{_EQUATION}; E = -1.2871419918, L = 0, period 6.32591398",
@@ -233,7 +235,7 @@ CHECKS = (
         ),
         engines=("refimpl", "rebound"),
     ),
-    Check(
+    legacy_check(
         name="stepping/pythagorean",
         title="Pythagorean problem of three bodies: positions at t = 10, after close encounters",
         equation=f"{_EQUATION}; m = 3, 4, 5 at (1, 3), (-2, -1), (1, -1), at rest",

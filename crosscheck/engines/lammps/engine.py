@@ -7,8 +7,7 @@ All scenes run in `units lj`, where LAMMPS multiplies by no conversion factor: t
 
 from __future__ import annotations
 
-import numpy as np
-
+from crosscheck.engines.capabilities import capability
 from crosscheck.engines.lammps import granular, particles
 from crosscheck.engines.lammps.instance import load, preload_mpi
 from crosscheck.engines.protocol import Claims, Run
@@ -23,24 +22,63 @@ class LammpsEngine:
 
     name = "lammps"
     schemes = {"velocity_verlet": Claims((2, 2), (1, 1), symplectic=True, reversible=True)}
+    capabilities = (
+        capability(
+            "spring",
+            "stepping",
+            words="dimension=1 dimension=2 dimension=3 masses[] spring.gamma",
+            observables="positions velocities forces kinetic_energy potential_energy",
+        ),
+        capability(
+            "gravity",
+            "stepping",
+            words="dimension=2 dimension=3 masses[] gravity.G gravity.softening",
+            observables="positions velocities forces kinetic_energy potential_energy virial",
+        ),
+        capability(
+            "lennard_jones",
+            "stepping",
+            words="""
+                dimension=2 dimension=3 masses[] box.boundaries=periodic box.boundaries=open box.boundaries=wall
+                box.wall box.wall.epsilon box.wall.sigma lennard_jones.epsilon lennard_jones.epsilon[]
+                lennard_jones.length lennard_jones.length[] lennard_jones.length_form=sigma
+                lennard_jones.length_form=r_m lennard_jones.truncation=truncated lennard_jones.truncation=shifted
+                lennard_jones.truncation=force_shifted
+            """,
+            observables="positions velocities forces kinetic_energy potential_energy virial",
+        ),
+        capability(
+            "hard_spheres",
+            "stepping",
+            words="""
+                dimension=2 dimension=3 masses[] acceleration hard_spheres.diameter hard_spheres.diameter[]
+                hard_spheres.restitution hard_spheres.friction hard_spheres.friction.static
+                hard_spheres.friction.sliding hard_spheres.friction.inertia
+                box.boundaries=periodic box.boundaries=open box.boundaries=hard
+                box.faces box.faces.open box.faces.restitution box.faces.oscillation box.faces.oscillation.phase
+                box.faces.friction box.faces.friction.static box.faces.friction.sliding
+                box.cylinder box.cylinder.axis=x box.cylinder.axis=y box.cylinder.axis=z box.cylinder.angular_velocity
+                box.cylinder.restitution box.cylinder.friction box.cylinder.friction.static
+                box.cylinder.friction.sliding
+                method.contact method.contact.law=hooke method.contact.law=hertz method.contact.stiffness
+                method.contact.duration method.contact.friction=history method.contact.friction=dashpot
+            """,
+            observables="""
+                positions velocities angular_velocities kinetic_energy rotational_energy collisional_virial contact_time
+                wall_impulse wall_torque
+            """,
+        ),
+    )
 
     def version(self) -> str:
         return f"{load().__version__} (MPI from {preload_mpi()})"
 
     def supports(self, scene: Scene, method: Method) -> str | None:
-        if method.scheme not in self.schemes:
-            return f"no scheme '{method.scheme}': fix nve is velocity Verlet"
         if scene.hard_spheres is not None:
             return granular.unsupported(scene, method)
-        if np.min(scene.masses) <= 0:
-            return "LAMMPS needs positive masses"
         if scene.spring is not None:
-            if "virial" in scene.output.observables:
-                return "fix spring/self contributes no virial"
             return None
         if scene.gravity is not None:
-            if scene.dimension == 1:
-                return "gravity is for two or three dimensions"
             if scene.number > particles.MOST_BODIES:
                 return f"gravity by an all-pairs neighbour list: at most {particles.MOST_BODIES} bodies"
         elif "wall" in scene.boundaries:

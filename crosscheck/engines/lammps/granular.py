@@ -22,7 +22,7 @@ import numpy as np
 
 from crosscheck.engines import soft_spheres
 from crosscheck.engines.lammps.instance import FEW, Atoms, advance, box, pair_virial
-from crosscheck.engines.protocol import Run, strides, tally_shapes
+from crosscheck.engines.protocol import Run, shapes, strides
 from crosscheck.engines.soft_spheres import Law, SoftSpheres
 from crosscheck.scene import AXES, Contact, Cylinder, Face, Method, Oscillation, Scene, State
 
@@ -47,8 +47,6 @@ def unsupported(scene: Scene, method: Method) -> str | None:
     inertia = soft_spheres.inertia_ratio(scene)
     if scene.spin_dimension and inertia != _INERTIA and (scene.dimension, inertia) != (2, 0.5):
         return f"fix nve/sphere turns spheres (q = 2/5) and, in the plane, disks (q = 1/2), not q = {inertia:g}"
-    if "potential_energy" in scene.output.observables:
-        return "the granular styles of LAMMPS have no energy of contacts: no potential_energy"
     if method.contact.law == "hertz" and scene.across:
         return 'contact.law = "hertz": at a cylinder, R_eff of LAMMPS contains the curvature of the wall'
     return None
@@ -315,21 +313,18 @@ def _torque(scene: Scene) -> Iterator[str]:
 def _read(lammps: Any, lmp: Any, scene: Scene, run: Run, good: int, dt: float, every: int) -> None:
     """Fills in the observables, up to the sample `good`."""
     energies, rates = _energies(scene), _rates(scene)
-    table = np.full((run.time.size, len(energies) + 2 * len(rates)), np.nan)
+    table = np.full((run["time"].size, len(energies) + 2 * len(rates)), np.nan)
     width = table.shape[1]
     style = lammps.LMP_TYPE_VECTOR if width == 1 else lammps.LMP_TYPE_ARRAY
     for i, j in np.ndindex(good, width):
         table[i, j] = lmp.extract_fix("samples", lammps.LMP_STYLE_GLOBAL, style, i, j)
-    run.tallies = {name: np.zeros(shape) for name, shape in tally_shapes(scene, run.time.size).items()}
-    for column, name in enumerate(energies):
-        if name == "kinetic_energy":
-            run.kinetic_energy = table[:, column]
-        else:
-            run.tallies[name] = table[:, column]
+    tallies = {rate.observable: np.zeros(shapes(scene, run["time"].size)[rate.observable]) for rate in rates}
+    run.update({name: table[:, column] for column, name in enumerate(energies)})
     now, mean = np.split(table[:, len(energies) :], 2, axis=1)
     parts = dt * (every * mean[1:] + (now[:-1] - now[1:]) / 2)
     for column, rate in enumerate(rates):
-        values = run.tallies[rate.observable].reshape(run.time.size, -1)
+        values = tallies[rate.observable].reshape(run["time"].size, -1)
         values[1:, rate.element] = rate.sign * np.cumsum(parts[:, column])
-    for values in run.tallies.values():
-        values[good:] = np.nan
+    for tally in tallies.values():
+        tally[good:] = np.nan
+    run.update(tallies)

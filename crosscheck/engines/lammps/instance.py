@@ -56,19 +56,19 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
     run = Run(time=times, final_positions=nowhere, final_velocities=nowhere)
     spins = scene.spin_dimension
     if scene.output.trajectory:
-        run.positions, run.velocities = np.full(shape, np.nan), np.full(shape, np.nan)
-        run.positions[0], run.velocities[0] = atoms.state.positions, atoms.state.velocities
+        run["positions"], run["velocities"] = np.full(shape, np.nan), np.full(shape, np.nan)
+        run["positions"][0], run["velocities"][0] = atoms.state.positions, atoms.state.velocities
         if spins:
-            run.angular_velocities = np.full((*shape[:2], spins), np.nan)
-            run.angular_velocities[0] = atoms.state.angular_velocities
+            run["angular_velocities"] = np.full((*shape[:2], spins), np.nan)
+            run["angular_velocities"][0] = atoms.state.angular_velocities
     with timed(run.cost):
         try:
-            if run.positions is not None and run.velocities is not None:
+            if "positions" in run and "velocities" in run:
                 for sample in range(1, times.size):
                     lmp.command(f"run {every} pre no {whole}")
-                    run.positions[sample], run.velocities[sample] = atoms.positions(), atoms.velocities()
-                    if run.angular_velocities is not None:
-                        run.angular_velocities[sample] = atoms.angular_velocities()
+                    run["positions"][sample], run["velocities"][sample] = atoms.positions(), atoms.velocities()
+                    if "angular_velocities" in run:
+                        run["angular_velocities"][sample] = atoms.angular_velocities()
                 rest = steps % every
                 if rest:
                     lmp.command(f"run {rest} pre no {whole}")
@@ -84,12 +84,12 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
     good = -(-run.cost.steps // every) if run.diverged else times.size  # samples before the step that failed
 
     if spins:
-        run.final_angular_velocities = np.full((scene.number, spins), np.nan)
+        run["final_angular_velocities"] = np.full((scene.number, spins), np.nan)
     if not run.diverged:
-        run.final_positions, run.final_velocities = atoms.positions(), atoms.velocities()
+        run["final_positions"], run["final_velocities"] = atoms.positions(), atoms.velocities()
         if spins:
-            run.final_angular_velocities = atoms.angular_velocities()
-        run.diverged = not bool(np.isfinite([run.final_positions, run.final_velocities]).all())
+            run["final_angular_velocities"] = atoms.angular_velocities()
+        run.diverged = not bool(np.isfinite([run["final_positions"], run["final_velocities"]]).all())
     return run, good
 
 

@@ -29,13 +29,13 @@ def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
     )
     run, good = advance(lmp, system, scene, method)
     for name in output.observables:
-        values = np.full(run.time.size, np.nan)
+        values = np.full(run["time"].size, np.nan)
         for i in range(good):
             values[i] = lmp.extract_fix(name, lammps.LMP_STYLE_GLOBAL, lammps.LMP_TYPE_VECTOR, i)
-        setattr(run, name, values)
+        run[name] = values
     if output.forces:
-        nowhere = np.full_like(run.final_positions, np.nan)
-        run.forces = nowhere if run.diverged else _forces(lmp, system, output.observables)
+        nowhere = np.full_like(run["final_positions"], np.nan)
+        run["forces"] = nowhere if run.diverged else _forces(lmp, system, output.observables)
     return run
 
 

@@ -38,32 +38,13 @@ MOST_ROOT_BOXES = 64
 _AXES_OF_SPACE = 3
 
 
-def unsupported(scene: Scene, method: Method) -> str | None:
+def unsupported(scene: Scene) -> str | None:
     """None, or the reason why REBOUND cannot run this scene of hard spheres."""
-    spheres, box, output = scene.hard_spheres, scene.box, scene.output
+    spheres = scene.hard_spheres
     assert spheres is not None
-    if method.contact is not None:
-        return "its spheres are hard: remove method.contact"
-    for entry, given in {
-        "hard_spheres.friction": spheres.friction is not None,
-        "hard_spheres.well": spheres.well is not None,
-        "hard_spheres.fixed": spheres.fixed is not None,
-        "hard_spheres.contact_duration": spheres.contact_duration is not None,
-        "acceleration": scene.acceleration is not None,
-        "box.cylinder": box is not None and box.cylinder is not None,
-        "output.collisions": output.collisions is not None,
-        "output.fields": output.fields is not None,
-    }.items():
-        if given:
-            return f"REBOUND's hard spheres have no {entry}"
-    if "hard" in scene.boundaries:
-        return "REBOUND has no walls"
     if len(set(scene.boundaries)) > 1:
         return "REBOUND's boundaries are periodic along all axes, or open along all"
-    unknown = [name for name in output.observables if name not in ("kinetic_energy", "collisions")]
-    if unknown:
-        return f"of its hard spheres, {', '.join(unknown)} cannot be measured"
-    if spheres.restitution == 0 and "collisions" in output.observables:
+    if spheres.restitution == 0 and "collisions" in scene.output.observables:
         return "with restitution 0 it counts a pair again at every step until the spheres have slid apart"
     diameters, lengths = scene.diameters(), scene.lengths()
     assert diameters is not None
@@ -106,14 +87,15 @@ def run_collisions(scene: Scene, method: Method, search: str) -> Run:
         gas.advance(steps % every)
     cost.steps, cost.events = steps, gas.collisions
 
-    run = Run(times, *gas.state(), cost=cost)
-    run.diverged = not bool(np.isfinite([run.final_positions, run.final_velocities]).all())
+    final_positions, final_velocities = gas.state()
+    run = Run(time=times, final_positions=final_positions, final_velocities=final_velocities, cost=cost)
+    run.diverged = not bool(np.isfinite([run["final_positions"], run["final_velocities"]]).all())
     if output.trajectory:
-        run.positions, run.velocities = positions, velocities
+        run["positions"], run["velocities"] = positions, velocities
     if "kinetic_energy" in output.observables:
-        run.kinetic_energy = 0.5 * np.einsum("n,snd,snd->s", gas.masses, velocities, velocities)
+        run["kinetic_energy"] = 0.5 * np.einsum("n,snd,snd->s", gas.masses, velocities, velocities)
     if "collisions" in output.observables:
-        run.tallies["collisions"] = collisions
+        run["collisions"] = collisions
     return run
 
 

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.engines.capabilities import capability
 from crosscheck.engines.protocol import Claims, Cost, Run, sample_times, strides, timed
+from crosscheck.engines.rebound.collisions import run_collisions, unsupported
 from crosscheck.scene import Floats, Method, Scene
 
 #: Schemes of hard spheres, and REBOUND's name of the search for collisions.
@@ -33,7 +35,24 @@ class ReboundEngine:
         "leapfrog": Claims((2, 2), None, symplectic=True, reversible=True),
         "whfast": Claims((2, 2), None, symplectic=True),
         "ias15": Claims(None, None),
-    } | {name: Claims(None, collisions=True) for name in SEARCHES}
+    } | {name: Claims(kind="collision_search") for name in SEARCHES}
+    capabilities = (
+        capability(
+            "gravity",
+            "stepping",
+            words="dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening",
+            observables="positions velocities forces kinetic_energy potential_energy virial",
+        ),
+        capability(
+            "hard_spheres",
+            "collision_search",
+            words="""
+                dimension=2 dimension=3 masses[] hard_spheres.diameter hard_spheres.diameter[] hard_spheres.restitution
+                box.boundaries=periodic box.boundaries=open
+            """,
+            observables="positions velocities kinetic_energy collisions",
+        ),
+    )
 
     def version(self) -> str:
         import rebound
@@ -41,20 +60,8 @@ class ReboundEngine:
         return str(rebound.__version__)
 
     def supports(self, scene: Scene, method: Method) -> str | None:
-        if method.scheme not in self.schemes:
-            return f"no scheme '{method.scheme}'"
-        if method.scheme in SEARCHES:
-            if scene.hard_spheres is None:
-                return f"'{method.scheme}' is for [hard_spheres] only"
-            from crosscheck.engines.rebound.collisions import unsupported
-
-            return unsupported(scene, method)
-        if scene.hard_spheres is not None:
-            return f"'{method.scheme}' is for gravity, hard spheres need one of {', '.join(SEARCHES)}"
         if scene.gravity is None:
-            return "only gravity and hard spheres"
-        if scene.dimension == 1:
-            return "gravity is for two or three dimensions"
+            return unsupported(scene)
         if scene.gravity.softening is not None:
             if method.scheme == "whfast":
                 return "WHFast solves Kepler's problem, which has no softening"
@@ -70,8 +77,6 @@ class ReboundEngine:
 
     def run(self, scene: Scene, method: Method) -> Run:
         if method.scheme in SEARCHES:
-            from crosscheck.engines.rebound.collisions import run_collisions
-
             return run_collisions(scene, method, SEARCHES[method.scheme])
         state = scene.initial_state()
         simulation = _simulation(scene, state.positions, state.velocities, state.masses)
@@ -104,19 +109,20 @@ class ReboundEngine:
         cost.steps = int(simulation.steps_done)
         cost.evaluations = 0 if method.scheme == "ias15" else cost.steps
 
-        run = Run(times, *_state(simulation, scene), cost=cost)
-        run.diverged = not bool(np.isfinite([run.final_positions, run.final_velocities]).all())
+        final_positions, final_velocities = _state(simulation, scene)
+        run = Run(time=times, final_positions=final_positions, final_velocities=final_velocities, cost=cost)
+        run.diverged = not bool(np.isfinite([run["final_positions"], run["final_velocities"]]).all())
         if output.trajectory:
-            run.positions, run.velocities = positions, velocities
+            run["positions"], run["velocities"] = positions, velocities
         kinetic = 0.5 * np.einsum("n,snd,snd->s", state.masses, velocities, velocities)
         if "kinetic_energy" in output.observables:
-            run.kinetic_energy = kinetic
+            run["kinetic_energy"] = kinetic
         if "potential_energy" in output.observables:
-            run.potential_energy = total - kinetic
+            run["potential_energy"] = total - kinetic
         if "virial" in output.observables:
-            run.virial = total - kinetic  # of forces as 1/r^2: r . F is the potential energy, pair by pair
+            run["virial"] = total - kinetic  # of forces as 1/r^2: r . F is the potential energy, pair by pair
         if output.forces:
-            run.forces = _forces(scene, run.final_positions, state.masses)
+            run["forces"] = _forces(scene, run["final_positions"], state.masses)
         return run
 
 

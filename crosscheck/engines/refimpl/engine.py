@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
-
 from crosscheck.engines import soft_spheres
+from crosscheck.engines.capabilities import capability
 from crosscheck.engines.protocol import Claims, Run
 from crosscheck.scene import Method, Scene
+from crosscheck.scene.observables import named
 from refimpl.stepping.schemes import SCHEMES
 
-if TYPE_CHECKING:
-    pass
-
 NAIVE = "event_driven_naive"
+BOLTZMANN = "lattice_boltzmann"
 #: Event-driven schemes, and the queue of events that `refimpl.events` calls by that name.
 SCHEDULERS = {
     "event_driven": "tree",
@@ -26,20 +23,95 @@ EVOLVERS = {
     "lattice_planes": "bitplanes.PlaneGas",
     "lattice_lookup": "lookup.LookupGas",
     "lattice_numpy": "plain.PlainGas",
-    "lattice_boltzmann": "boltzmann.BoltzmannLattice",
+    BOLTZMANN: "boltzmann.BoltzmannLattice",
 }
 #: Schemes that move soft grains: the stretch of a contact grows once a step, at the new time.
 GRAINS = ("velocity_verlet", "leapfrog", "verlet", "symplectic_euler")
-#: What can be told from the states of the naive algorithm.
-_PLAIN = ("kinetic_energy", "potential_energy", "rotational_energy", "collisions", "events")
+
+
+_STATES = "positions velocities"
+_SMOOTH = f"{_STATES} forces kinetic_energy potential_energy virial"
+_HARD = f"{_STATES} angular_velocities kinetic_energy potential_energy rotational_energy"
+#: Hard spheres between any walls, as they are and as soft grains.
+_SPHERES = """
+    dimension=2 dimension=3 masses[] acceleration hard_spheres.diameter hard_spheres.diameter[] hard_spheres.restitution
+    hard_spheres.friction hard_spheres.friction.static hard_spheres.friction.sliding hard_spheres.friction.inertia
+    box.boundaries=periodic box.boundaries=open box.boundaries=hard
+    box.faces box.faces.open box.faces.restitution box.faces.oscillation box.faces.oscillation.phase
+    box.faces.friction box.faces.friction.static box.faces.friction.sliding
+    box.cylinder box.cylinder.axis=x box.cylinder.axis=y box.cylinder.axis=z box.cylinder.angular_velocity
+    box.cylinder.restitution box.cylinder.friction box.cylinder.friction.static box.cylinder.friction.sliding
+"""
+#: What acts at an instant, and what is counted in events.
+_EVENTS = f"""{_SPHERES}
+    hard_spheres.fixed hard_spheres.contact_duration hard_spheres.well box.faces.velocity box.faces.temperature
+    box.faces.random_phase box.faces.random_phase.law=uniform box.faces.random_phase.law=flux output.collisions
+"""
+_CONTACTS = """
+    method.contact method.contact.law=hooke method.contact.law=hertz method.contact.stiffness method.contact.duration
+    method.contact.friction=history method.contact.friction=dashpot
+"""
+_GASES = """
+    dimension=2 lattice_gas.obstacles lattice_gas.obstacles.columns lattice_gas.obstacles.rows
+    lattice_gas.obstacles.centre lattice_gas.obstacles.radius lattice_gas.obstacles.sites
+    lattice_gas.obstacles.rule=bounce_back lattice_gas.obstacles.rule=specular_x lattice_gas.obstacles.rule=specular_y
+    lattice_gas.obstacles.rule=diffusive_x lattice_gas.obstacles.rule=diffusive_y lattice_gas.force
+"""
 
 
 class RefimplEngine:
     name = "refimpl"
-    schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()} | {
-        name: Claims(None, events=True) for name in SCHEDULERS
-    }
-    schemes |= {name: Claims(None, lattice=True) for name in EVOLVERS}
+    schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()}
+    schemes |= {name: Claims(kind="event_driven") for name in SCHEDULERS}
+    schemes |= {name: Claims(kind="lattice") for name in EVOLVERS}
+    capabilities = (
+        capability("spring", "stepping", words="dimension=1 dimension=2 dimension=3 spring.gamma", observables=_SMOOTH),
+        capability(
+            "gravity",
+            "stepping",
+            words="dimension=1 dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening",
+            observables=_SMOOTH,
+        ),
+        capability(
+            "lennard_jones",
+            "stepping",
+            words="""
+                dimension=2 dimension=3 masses[] box.boundaries=periodic box.boundaries=open box.boundaries=wall
+                box.wall box.wall.epsilon box.wall.sigma lennard_jones.epsilon lennard_jones.epsilon[]
+                lennard_jones.length lennard_jones.length[] lennard_jones.length_form=sigma
+                lennard_jones.length_form=r_m lennard_jones.truncation=truncated lennard_jones.truncation=shifted
+                lennard_jones.truncation=force_shifted
+            """,
+            observables=_SMOOTH,
+        ),
+        capability(
+            "hard_spheres",
+            "stepping",
+            words=f"{_SPHERES} {_CONTACTS}",
+            observables=f"{_HARD} collisional_virial contact_time wall_impulse wall_torque",
+            schemes=GRAINS,
+        ),
+        capability(
+            "hard_spheres",
+            "event_driven",
+            words=f"{_EVENTS} output.fields",
+            observables=f"{_HARD} {' '.join(named('hard_spheres'))}",
+            schemes=tuple(name for name in SCHEDULERS if name != NAIVE),
+        ),
+        capability(
+            "hard_spheres", "event_driven", words=_EVENTS, observables=f"{_HARD} collisions events", schemes=(NAIVE,)
+        ),
+        capability(
+            "lattice_gas",
+            "lattice",
+            words=f"{_GASES} lattice_gas.reversals",
+            observables="populations force_impulse sites",
+            schemes=tuple(name for name in EVOLVERS if name != BOLTZMANN),
+        ),
+        capability("lattice_gas", "lattice", words=_GASES, observables="populations h_function", schemes=(BOLTZMANN,)),
+    )
+    #: Speeds that it is held to, against the peers that the checks name.
+    promises = ("speed",)
 
     def version(self) -> str:
         import numba
@@ -49,28 +121,12 @@ class RefimplEngine:
         return f"{__version__} (numba {numba.__version__})"
 
     def supports(self, scene: Scene, method: Method) -> str | None:
-        if method.scheme not in self.schemes:
-            return f"no scheme '{method.scheme}'"
-        if (scene.lattice_gas is not None) != (method.scheme in EVOLVERS):
-            return f"lattice gases, and only they, are moved by {_names(EVOLVERS)}; found '{method.scheme}'"
         if scene.lattice_gas is not None:
             from crosscheck.engines.refimpl.lattice import unsupported
 
             return unsupported(scene, method.scheme)
-        if method.contact is not None and method.scheme in SCHEDULERS:
-            return f"method.contact is for schemes with time steps: {_names(GRAINS)}"
         if scene.hard_spheres is not None and method.scheme not in SCHEDULERS:
-            if method.contact is not None and method.scheme not in GRAINS:
-                return f"soft grains need a scheme that asks for the force once a step: {_names(GRAINS)}"
             return soft_spheres.unsupported(scene, method)
-        if scene.hard_spheres is None and method.scheme in SCHEDULERS:
-            return f"'{method.scheme}' is for [hard_spheres] only: take a scheme with time steps"
-        if method.scheme == NAIVE and scene.hard_spheres is not None:
-            unknown: list[str] = [name for name in scene.output.observables if name not in _PLAIN]
-            if scene.output.fields is not None:
-                unknown.append("fields")
-            if unknown:
-                return f"'{NAIVE}' is the plain algorithm, which does not measure {', '.join(unknown)}"
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
@@ -89,7 +145,3 @@ class RefimplEngine:
         from crosscheck.engines.refimpl.stepping import run_steps
 
         return run_steps(scene, method)
-
-
-def _names(names: Iterable[str]) -> str:
-    return ", ".join(f"'{name}'" for name in names)

@@ -12,17 +12,19 @@ import numpy as np
 from numba import typeof
 
 from crosscheck import scene as scenes
-from crosscheck.engines.protocol import Run, tally_shapes, timed
+from crosscheck.engines.protocol import Run, shapes, timed
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.errors import UsageError
-from crosscheck.scene import AXES, TALLIES, Floats, Scene, State
+from crosscheck.scene import AXES, Floats, Scene, State
 from refimpl.events import model as events
 from refimpl.events.naive import Naive
 from refimpl.events.simulation import Simulation
 from refimpl.events.state import field_energy, kinetic_energies, rotational_energies, well_energy
 
-#: Tallies that `Simulation` counts anyway, without being asked.
-_COUNTED = ("collisions", "events", "rotational_energy", "operation_counts", "contact_time")
+#: Read off the state of a simulation at the sample.
+_OF_STATES = ("kinetic_energy", "rotational_energy", "potential_energy")
+#: What every simulation has without measuring, and contacts of hard spheres, which take no time.
+_COUNTED = (*_OF_STATES, "collisions", "events", "operation_counts", "contact_time")
 
 
 def run_events(scene: Scene, scheduler: Any) -> Run:
@@ -30,8 +32,9 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
     state = scene.initial_state()
     output, times = scene.output, scene.samples()
     origin, lengths = _domain(state)
-    run = Run(times, state.positions, state.velocities)
-    _allocate(run, scene)
+    run = Run({name: np.full(shape, np.nan) for name, shape in shapes(scene, times.size).items()})
+    run["time"] = times
+    tallied = any(name not in _COUNTED for name in output.observables)
     with _in_words(scene):
         model = hard_spheres(scene, state, lengths)
         started = time.perf_counter()
@@ -45,11 +48,11 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
                 sim = Simulation(
                     *start,
                     scheduler=scheduler,
-                    tallies=any(name in TALLIES and name not in _COUNTED for name in output.observables),
+                    tallies=tallied,
                     fields=output.fields,
                     counting="operation_counts" in output.observables,
                 )
-            _record(run, 0, sim, origin)
+            _record(run, 0, sim, origin, tallied)
             sim.run(until=0.0)  # compiles the loop
         run.cost.compile = time.perf_counter() - started
 
@@ -62,7 +65,7 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
             run.stopped = f"the duration, {scene.duration:g}, is over before pair collision {count}"
             break
         times[sample] = sim.time
-        _record(run, sample, sim, origin)
+        _record(run, sample, sim, origin, tallied)
     if output.collisions is None:
         with timed(run.cost):
             sim.run(until=scene.duration)
@@ -70,15 +73,16 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
     run.cost.events = sim.events
 
     final = sim.state()
-    run.final_positions, run.final_velocities = final.positions + origin, final.velocities
-    run.final_angular_velocities = final.angular_velocities
+    run["final_positions"], run["final_velocities"] = final.positions + origin, final.velocities
+    if scene.spin_dimension:
+        run["final_angular_velocities"] = final.angular_velocities
     if output.fields is not None:
-        run.tallies |= sim.fields()
+        run.update(sim.fields())
     height = 0.0 if scene.acceleration is None else float(state.masses.sum() * (origin @ scene.acceleration))
-    if run.potential_energy is not None:
-        run.potential_energy -= height
-    if "potential_energy_integral" in run.tallies:
-        run.tallies["potential_energy_integral"] -= height * times
+    if "potential_energy" in run:
+        run["potential_energy"] -= height
+    if "potential_energy_integral" in run:
+        run["potential_energy_integral"] -= height * times
     return run
 
 
@@ -180,37 +184,17 @@ class _Naive(Naive):
         return field_energy(self.model, self.state().positions) + well_energy(self.model, self._bonds)
 
 
-def _allocate(run: Run, scene: Scene) -> None:
-    """Arrays of NaN for all that the scene records."""
-    output, samples = scene.output, run.time.size
-    if output.trajectory:
-        shape = (samples, scene.number, scene.dimension)
-        run.positions, run.velocities = np.full(shape, np.nan), np.full(shape, np.nan)
-        if scene.spin_dimension:
-            run.angular_velocities = np.full((samples, scene.number, scene.spin_dimension), np.nan)
-    for name in ("kinetic_energy", "potential_energy"):
-        if name in output.observables:
-            setattr(run, name, np.full(samples, np.nan))
-    shapes = tally_shapes(scene, samples)
-    run.tallies = {name: np.full(shape, np.nan) for name, shape in shapes.items() if name in TALLIES}
-
-
-def _record(run: Run, sample: int, sim: Any, origin: Floats) -> None:
-    if run.positions is not None and run.velocities is not None:
+def _record(run: Run, sample: int, sim: Any, origin: Floats, tallied: bool) -> None:
+    """The observables at a sample. tallied: some of them are sums that the simulation keeps."""
+    values: dict[str, Any] = {"collisions": sim.collisions, "events": sim.events, "contact_time": 0.0}
+    if "positions" in run:
         state = sim.state()
-        run.positions[sample], run.velocities[sample] = state.positions + origin, state.velocities
-        if run.angular_velocities is not None:
-            run.angular_velocities[sample] = state.angular_velocities
-    if run.kinetic_energy is not None:
-        run.kinetic_energy[sample] = sim.kinetic_energy()
-    if run.potential_energy is not None:
-        run.potential_energy[sample] = sim.potential_energy()
-    asked = set(run.tallies)
-    measured = sim.tallies() if asked - set(_COUNTED) else {}
-    if "operation_counts" in asked:
-        measured["operation_counts"] = sim.operation_counts()
-    if "rotational_energy" in asked:
-        measured["rotational_energy"] = sim.rotational_energy()
-    measured |= {"collisions": sim.collisions, "events": sim.events, "contact_time": 0.0}
-    for name, values in run.tallies.items():
-        values[sample] = measured[name]
+        values |= {"positions": state.positions + origin, "velocities": state.velocities}
+        values["angular_velocities"] = state.angular_velocities
+    for name in (*_OF_STATES, "operation_counts"):
+        if name in run:
+            values[name] = getattr(sim, name)()
+    if tallied:
+        values |= sim.tallies()
+    for name in values.keys() & run.keys():
+        run[name][sample] = values[name]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.protocol import Cost, Run, face_names, sample_times, tally_shapes
+from crosscheck.engines.protocol import Cost, Run, face_names, sample_times
 from crosscheck.engines.refimpl.stepping import integrated
 from crosscheck.engines.soft_spheres import Law, inertia_ratio, soft_spheres
 from crosscheck.scene import AXES, Floats, Method, Scene, State
@@ -90,26 +90,28 @@ def _run(scene: Scene, force: soft.Grains, times: Floats, done: Integration, cos
     def turns(flat: Floats) -> Floats:
         return flat[..., number * d : number * (d + spin)].reshape(*flat.shape[:-1], number, spin)
 
-    run = Run(times, places(done.r), places(done.v), diverged=done.diverged, cost=cost)
+    run = Run(
+        time=times, final_positions=places(done.r), final_velocities=places(done.v), diverged=done.diverged, cost=cost
+    )
     if spin:
-        run.final_angular_velocities = turns(done.v)
+        run["final_angular_velocities"] = turns(done.v)
     if scene.output.trajectory:
         assert done.positions is not None
         assert done.velocities is not None
-        run.positions, run.velocities = places(done.positions), places(done.velocities)
+        run["positions"], run["velocities"] = places(done.positions), places(done.velocities)
         if spin:
-            run.angular_velocities = turns(done.velocities)
+            run["angular_velocities"] = turns(done.velocities)
     if done.thermo is not None:
         for column, name in enumerate(("kinetic_energy", "potential_energy")):
             if name in asked:
-                setattr(run, name, done.thermo[:, column])
+                run[name] = done.thermo[:, column]
     if "rotational_energy" in asked:
         assert done.velocities is not None
         inertias: Any = 1.0 if force.inverse_inertias is None else 1 / force.inverse_inertias[:, None]
-        run.tallies["rotational_energy"] = (0.5 * inertias * turns(done.velocities) ** 2).sum(axis=(1, 2))
+        run["rotational_energy"] = (0.5 * inertias * turns(done.velocities) ** 2).sum(axis=(1, 2))
     if force.tallied:
         assert done.velocities is not None
-        run.tallies |= _tallied(scene, force, done.velocities[:, -force.auxiliary :], asked)
+        run.update(_tallied(scene, force, done.velocities[:, -force.auxiliary :], asked))
     return run
 
 
@@ -129,4 +131,4 @@ def _tallied(scene: Scene, force: soft.Grains, integrals: Floats, asked: set[Any
         "wall_impulse": impulses,
         "wall_torque": integrals[:, -1],
     }
-    return {name: found[name] for name in tally_shapes(scene, len(integrals)) if name in found}
+    return {name: values for name, values in found.items() if name in asked}

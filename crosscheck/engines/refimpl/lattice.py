@@ -8,27 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.protocol import Cost, Run, gas_tally_shapes, timed
+from crosscheck.engines.protocol import Cost, Run, shapes, timed
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Occupations, Scene
 from crosscheck.scene.lattice_gas import gas_model
 
 BOLTZMANN = "lattice_boltzmann"
-#: What only particles have, and what only mean occupations have.
-_OF_PARTICLES, _OF_MEANS = ("sites", "force_impulse"), ("h_function",)
 
 
 def unsupported(scene: Scene, scheme: str) -> str | None:
-    """Why this scheme cannot run the scene, or None."""
-    absent = _OF_PARTICLES if scheme == BOLTZMANN else _OF_MEANS
-    asked = [name for name in scene.output.observables if name in absent]
-    if asked:
-        moves = "mean occupations" if scheme == BOLTZMANN else "particles"
-        return f"'{scheme}' moves {moves}, which have no {' and no '.join(asked)}"
-    assert scene.lattice_gas is not None
+    """Why this scheme cannot run a scene of declared parts, or None."""
     assert isinstance(scene.initial, Occupations)
-    if scheme == BOLTZMANN and scene.lattice_gas.reversals is not None:
-        return f"'{BOLTZMANN}' is irreversible: remove lattice_gas.reversals"
     if scheme == BOLTZMANN and scene.initial.cells is not None:
         return f"'{BOLTZMANN}' moves mean occupations: remove initial.cells, which counts particles"
     return None
@@ -47,22 +37,21 @@ def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
     cost.compile = time.perf_counter() - started
 
     times = scene.samples()
-    names: list[str] = [name for name in scene.output.observables if name != "sites"]
-    shapes = gas_tally_shapes(scene, times.size)
-    tallies = {name: np.zeros(shapes[name]) for name in names}
+    run = Run({name: np.zeros(shape) for name, shape in shapes(scene, times.size).items()}, cost=cost)
+    run["time"] = times
+    names = set(scene.output.observables) - {"sites"}
     reversals = list(scene.lattice_gas.reversals or ()) if scene.lattice_gas else []
     for sample, moment in enumerate(times):
         with timed(cost):
             _advance(gas, int(moment), reversals)
-        for name, value in _tallied(scene, gas, set(names)).items():
-            tallies[name][sample] = value
+        for name, value in _tallied(scene, gas, names).items():
+            run[name][sample] = value
     with timed(cost):
         _advance(gas, int(scene.duration), reversals)
     if "sites" in scene.output.observables:
-        tallies["sites"] = gas.sites
+        run["sites"] = gas.sites
     cost.steps = int(scene.duration)
-    nobody = np.zeros((0, 2))
-    return Run(time=times, final_positions=nobody, final_velocities=nobody, tallies=tallies, cost=cost)
+    return run
 
 
 def _prepared(scene: Scene, scheme: str, kind: Any) -> Any:

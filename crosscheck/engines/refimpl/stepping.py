@@ -5,8 +5,6 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from crosscheck.engines.protocol import Cost, Run, sample_times, timed
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
@@ -77,14 +75,14 @@ def run_steps(scene: Scene, method: Method) -> Run:
         cost=cost,
     )
     if done.positions is not None and done.velocities is not None:
-        run.positions, run.velocities = rows(done.positions), rows(done.velocities)
+        run["positions"], run["velocities"] = rows(done.positions), rows(done.velocities)
     if done.thermo is not None:
         for column, name in enumerate(("kinetic_energy", "potential_energy", "virial")):
             if name in output.observables:
-                setattr(run, name, done.thermo[:, column])
+                run[name] = done.thermo[:, column]
     if output.forces:
         a, _ = acceleration(done.force, done.r, done.v)
-        run.forces = rows(a) * state.masses[:, None]
+        run["forces"] = rows(a) * state.masses[:, None]
     return run
 
 
@@ -93,10 +91,7 @@ def force_record(scene: Scene, state: State) -> Any:
     if scene.spring is not None:
         from refimpl.stepping.forces.spring import spring
 
-        masses = np.unique(state.masses)
-        if masses.size > 1:
-            raise ValueError("[spring] takes one mass for all particles")
-        return spring(scene.spring.k, float(masses[0]), scene.spring.gamma)
+        return spring(scene.spring.k, float(state.masses[0]), scene.spring.gamma)
     if scene.gravity is not None:
         from refimpl.stepping.forces.gravity import gravity
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.protocol import TALLY, Cost, Run
+from crosscheck.engines.protocol import Cost, Run
 from crosscheck.engines.workers.cache import kernel_cache
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.scene import Method, Scene
@@ -60,11 +60,9 @@ class Worker:
         if "unsupported" in reply:
             raise Unsupported(f"{self.engine}: {reply['unsupported']}")
         with np.load(path) as arrays:
-            fields = {name: arrays[name] for name in arrays if not name.startswith(TALLY)}
-            tallies = {name.removeprefix(TALLY): arrays[name] for name in arrays if name.startswith(TALLY)}
+            found = {name: arrays[name] for name in arrays}
         path.unlink()
-        told = {"diverged": reply["diverged"], "stopped": reply["stopped"], "cost": Cost(**reply["cost"])}
-        return Run(**fields, tallies=tallies, **told)
+        return Run(found, diverged=reply["diverged"], stopped=reply["stopped"], cost=Cost(**reply["cost"]))
 
     def close(self) -> None:
         """Ends the process and removes its files."""

@@ -18,11 +18,13 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.protocol import TALLY, Claims, Engine, Run, sample_times, tally_shapes
+from crosscheck.engines.capabilities import refusal
+from crosscheck.engines.protocol import Claims, Engine, Run, sample_times, shapes
 from crosscheck.engines.registry import load_engine
 from crosscheck.engines.soft_spheres import resolved
 from crosscheck.errors import UsageError
-from crosscheck.scene import GAS_TALLIES, TALLIES, Method, Scene
+from crosscheck.scene import Floats, Method, Scene
+from crosscheck.scene.observables import TABLE
 
 
 def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
@@ -31,54 +33,67 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
         return {"version": engine.version()}
     scene = Scene.from_json(request["scene"])
     method = resolved(scene, Method.model_validate_json(request["method"]))
-    reason = engine.supports(scene, method)
+    reason = refusal(engine, scene, method) or engine.supports(scene, method)
     if request["call"] == "supports":
         return {"reason": reason}
     if reason is not None:
         return {"unsupported": reason}
-    _check_step(engine.schemes.get(method.scheme), method)
-    run = engine.run(scene, method)
-    _check(run, scene, method)
-    apart = ("diverged", "stopped", "cost", "tallies")
-    arrays = {f.name: getattr(run, f.name) for f in dataclasses.fields(run) if f.name not in apart}
-    arrays |= {f"{TALLY}{name}": array for name, array in run.tallies.items()}
-    np.savez(request["path"], **{name: array for name, array in arrays.items() if array is not None})
+    _check_step(engine.schemes[method.scheme], method)
+    wanted = _measured(scene)
+    run = engine.run(wanted, method)
+    _check(run, wanted, method)
+    np.savez(request["path"], allow_pickle=False, **_asked(run, scene))
     return {"diverged": bool(run.diverged), "stopped": str(run.stopped), "cost": dataclasses.asdict(run.cost)}
 
 
-def _check_step(claims: Claims | None, method: Method) -> None:
+def _measured(scene: Scene) -> Scene:
+    """The scene that asks for what its derived observables need, in place of them."""
+    derived = {name: row for name, row in scene.asked().items() if row.derive is not None}
+    if not derived:
+        return scene
+    needs = {name for row in derived.values() for name in row.needs}
+    output = scene.output
+    return scene.changed(
+        output=output.model_copy(
+            update={
+                "observables": tuple(
+                    dict.fromkeys(
+                        [name for name in output.observables if name not in derived]
+                        + sorted(name for name in needs if TABLE[name].asked == "observables")
+                    )
+                ),
+                "trajectory": output.trajectory or any(TABLE[name].asked == "trajectory" for name in needs),
+            }
+        )
+    )
+
+
+def _asked(run: Run, scene: Scene) -> dict[str, Floats]:
+    """The arrays that the scene asks for; derived ones from the others."""
+    asked = scene.asked()
+    masses = scene.initial_state().masses if any(row.derive is not None for row in asked.values()) else np.zeros(0)
+    return {name: run[name] if row.derive is None else row.derive(masses, run) for name, row in asked.items()}
+
+
+def _check_step(claims: Claims, method: Method) -> None:
     """UsageError if a scheme that takes time steps has none, or one that does not take them has one."""
-    if claims is None or claims.stepping or claims.collisions:
+    if claims.takes_dt:
         _ = method.step
     elif method.dt is not None:
-        how = "takes whole steps of 1" if claims.lattice else "goes from event to event"
+        how = "takes whole steps of 1" if claims.kind == "lattice" else "goes from event to event"
         raise UsageError(f"method.dt = {method.dt:g}: scheme '{method.scheme}' {how}: remove dt")
 
 
 def _check(run: Run, scene: Scene, method: Method) -> None:
     """Refuses a malformed answer here, where the engine's name is known, not in the analysis later."""
-    shape, spin = (scene.number, scene.dimension), (scene.number, scene.spin_dimension)
-    samples, expected = len(run.time), len(sample_times(scene, method))
+    samples, expected = len(run["time"]), len(sample_times(scene, method))
     if samples != expected:
-        raise ValueError(f"run.time has {samples} samples, the scene asks for {expected}")
-    wanted: dict[str, tuple[int, ...]] = {"final_positions": shape, "final_velocities": shape}
-    if scene.output.trajectory:
-        wanted |= {"positions": (samples, *shape), "velocities": (samples, *shape)}
-    if scene.spin_dimension:
-        wanted["final_angular_velocities"] = spin
-        if scene.output.trajectory:
-            wanted["angular_velocities"] = (samples, *spin)
-    if scene.output.forces:
-        wanted["forces"] = shape
-    wanted |= {name: (samples,) for name in scene.output.observables if name not in (*TALLIES, *GAS_TALLIES)}
-    found = {name: getattr(run, name) for name in wanted}
-    tallies = tally_shapes(scene, samples)
-    for name, expected_shape in (wanted | tallies).items():
-        array = run.tallies.get(name) if name in tallies else found[name]
-        if array is None or array.shape != expected_shape:
-            what = f"run.tallies['{name}']" if name in tallies else f"run.{name}"
-            met = "None" if array is None else f"shape {array.shape}"
-            raise ValueError(f"{what} must have shape {expected_shape}, found {met}")
+        raise ValueError(f"run['time'] has {samples} samples, the scene asks for {expected}")
+    for name, shape in shapes(scene, samples).items():
+        met = run[name].shape if name in run else None
+        if met != shape:
+            found = "nothing" if met is None else f"shape {met}"
+            raise ValueError(f"run['{name}'] must have shape {shape}, found {found}")
 
 
 def serve(engine_name: str, read_fd: int, write_fd: int) -> None:

@@ -57,13 +57,13 @@ def test_forces_energy_and_virial(ase: Worker, name: str) -> None:
     scene = SCENES[name]
     run, expected = ase.run(scene, STEP), evaluate(scene)
     state = scene.initial_state()
-    np.testing.assert_allclose(run.forces, expected.forces, atol=1e-13 * np.abs(expected.forces).max())
-    np.testing.assert_allclose(run.potential_energy, expected.energy, rtol=1e-13)
-    np.testing.assert_allclose(run.virial, expected.virial, rtol=1e-13)
+    np.testing.assert_allclose(run["forces"], expected.forces, atol=1e-13 * np.abs(expected.forces).max())
+    np.testing.assert_allclose(run["potential_energy"], expected.energy, rtol=1e-13)
+    np.testing.assert_allclose(run["virial"], expected.virial, rtol=1e-13)
     np.testing.assert_allclose(
-        run.kinetic_energy, 0.5 * np.sum(state.masses[:, None] * state.velocities**2), rtol=1e-14
+        run["kinetic_energy"], 0.5 * np.sum(state.masses[:, None] * state.velocities**2), rtol=1e-14
     )
-    np.testing.assert_array_equal(run.final_positions, state.positions)
+    np.testing.assert_array_equal(run["final_positions"], state.positions)
 
 
 def test_oscillating_pair(ase: Worker) -> None:
@@ -79,10 +79,10 @@ def test_oscillating_pair(ase: Worker) -> None:
         output=Output(interval=0.05, observables=("kinetic_energy", "potential_energy"), trajectory=True),
     )
     run = ase.run(scene, STEP)
-    stretch = run.positions[:, 1, 0] - run.positions[:, 0, 0] - apart
+    stretch = run["positions"][:, 1, 0] - run["positions"][:, 0, 0] - apart
     omega = (2 * 72 / 2 ** (1 / 3)) ** 0.5
-    np.testing.assert_allclose(stretch, amplitude * np.cos(omega * run.time), atol=0.01 * amplitude)
-    np.testing.assert_allclose(run.kinetic_energy, 0.5 * np.sum(run.velocities**2, axis=(1, 2)), rtol=1e-14)
+    np.testing.assert_allclose(stretch, amplitude * np.cos(omega * run["time"]), atol=0.01 * amplitude)
+    np.testing.assert_allclose(run["kinetic_energy"], 0.5 * np.sum(run["velocities"] ** 2, axis=(1, 2)), rtol=1e-14)
     assert run.cost.steps == 500
     assert run.cost.evaluations == 501
 
@@ -92,8 +92,8 @@ def test_collision_at_a_huge_step_diverges(ase: Worker) -> None:
     scene = fluid(box=None, duration=1.0, initial=explicit(close, np.zeros((2, 3))))
     run = ase.run(scene, Method(scheme="velocity_verlet", dt=0.1))
     assert run.diverged
-    assert np.isnan(run.final_positions).all()
-    assert np.isnan(run.kinetic_energy[-1])
+    assert np.isnan(run["final_positions"]).all()
+    assert np.isnan(run["kinetic_energy"][-1])
 
 
 @pytest.mark.parametrize(

@@ -86,8 +86,8 @@ def test_plain_python_equals_the_compiled_loop(name: str) -> None:
     steps = 60
     run = integrate(name, FORCE, R, V, DT, steps, every=1, trajectory=True)
     expected = plain(name, FORCE, R, V, DT, steps)
-    np.testing.assert_allclose(run.positions, expected[:, 0], rtol=0, atol=4e-16 * steps * 4)
-    np.testing.assert_allclose(run.velocities, expected[:, 1], rtol=0, atol=4e-16 * steps * 4)
+    np.testing.assert_allclose(run["positions"], expected[:, 0], rtol=0, atol=4e-16 * steps * 4)
+    np.testing.assert_allclose(run["velocities"], expected[:, 1], rtol=0, atol=4e-16 * steps * 4)
 
 
 @each_scheme

@@ -83,14 +83,14 @@ def test_oscillator_is_velocity_verlet_with_half_step_friction(lammps: Worker, g
         if step % 50 == 0:
             rows.append((r, v))
     positions, velocities = map(np.array, zip(*rows, strict=True))
-    np.testing.assert_allclose(run.positions, positions, atol=1e-13)
-    np.testing.assert_allclose(run.velocities, velocities, atol=1e-12)
-    np.testing.assert_allclose(run.final_positions, positions[-1], atol=1e-13)
-    np.testing.assert_allclose(run.final_velocities, velocities[-1], atol=1e-12)
-    np.testing.assert_allclose(run.kinetic_energy, 35.0 * np.sum(velocities**2, axis=(1, 2)), rtol=1e-12)
-    np.testing.assert_allclose(run.potential_energy, 5e3 * np.sum(positions**2, axis=(1, 2)), rtol=1e-12)
+    np.testing.assert_allclose(run["positions"], positions, atol=1e-13)
+    np.testing.assert_allclose(run["velocities"], velocities, atol=1e-12)
+    np.testing.assert_allclose(run["final_positions"], positions[-1], atol=1e-13)
+    np.testing.assert_allclose(run["final_velocities"], velocities[-1], atol=1e-12)
+    np.testing.assert_allclose(run["kinetic_energy"], 35.0 * np.sum(velocities**2, axis=(1, 2)), rtol=1e-12)
+    np.testing.assert_allclose(run["potential_energy"], 5e3 * np.sum(positions**2, axis=(1, 2)), rtol=1e-12)
     # the forces at the end are those of the velocity at the end
-    np.testing.assert_allclose(run.forces, -1e4 * r - friction * v, atol=1e-9)
+    np.testing.assert_allclose(run["forces"], -1e4 * r - friction * v, atol=1e-9)
     assert run.cost.steps == 1000
     assert run.cost.evaluations == 1001
 
@@ -102,16 +102,16 @@ def test_springs_in_three_dimensions_with_unlike_masses(lammps: Worker) -> None:
     )
     run = lammps.run(scene, STEP)
     for particle, omega in enumerate((2.0, 1.0)):
-        expected = np.cos(omega * run.time)[:, None] * positions[particle]
-        np.testing.assert_allclose(run.positions[:, particle], expected, atol=1e-5)
+        expected = np.cos(omega * run["time"])[:, None] * positions[particle]
+        np.testing.assert_allclose(run["positions"][:, particle], expected, atol=1e-5)
 
 
 def test_unstable_step_diverges(lammps: Worker) -> None:
     scene = oscillator(spring=Spring(k=1e4), duration=1000.0, output=Output(interval=10.0, trajectory=True))
     run = lammps.run(scene, Method(scheme="velocity_verlet", dt=0.25))
     assert run.diverged
-    assert np.isfinite(run.positions[:2]).all()
-    assert np.isnan(run.positions[-1]).all()
+    assert np.isfinite(run["positions"][:2]).all()
+    assert np.isnan(run["positions"][-1]).all()
 
 
 # -- gravity ---------------------------------------------------------------------------------------
@@ -138,10 +138,10 @@ def test_gravity_of_several_bodies(lammps: Worker, dimension: int, softening: fl
     np.fill_diagonal(square, np.inf)
     products = 2.5 * np.outer(m, m)
     pulls = -(products / square**1.5)[:, :, None] * apart
-    np.testing.assert_allclose(run.forces, pulls.sum(axis=1), rtol=1e-13, atol=1e-13)
-    np.testing.assert_allclose(run.potential_energy, -0.5 * np.sum(products / np.sqrt(square)), rtol=1e-14)
-    np.testing.assert_allclose(run.virial, 0.5 * np.sum(apart * pulls), rtol=1e-14)
-    np.testing.assert_allclose(run.kinetic_energy, 0.5 * np.sum(m[:, None] * v**2), rtol=1e-14)
+    np.testing.assert_allclose(run["forces"], pulls.sum(axis=1), rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(run["potential_energy"], -0.5 * np.sum(products / np.sqrt(square)), rtol=1e-14)
+    np.testing.assert_allclose(run["virial"], 0.5 * np.sum(apart * pulls), rtol=1e-14)
+    np.testing.assert_allclose(run["kinetic_energy"], 0.5 * np.sum(m[:, None] * v**2), rtol=1e-14)
 
 
 def test_kepler_orbit_closes_with_second_order(lammps: Worker) -> None:
@@ -157,7 +157,7 @@ def test_kepler_orbit_closes_with_second_order(lammps: Worker) -> None:
             initial=Kepler(kind="kepler", eccentricity=0.5),
         )
         run = lammps.run(scene, Method(scheme="velocity_verlet", dt=period / steps))
-        errors.append(np.linalg.norm(run.final_positions - scene.initial_state().positions))
+        errors.append(np.linalg.norm(run["final_positions"] - scene.initial_state().positions))
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)
     assert errors[1] < 1e-4
 
@@ -174,7 +174,7 @@ def test_gravity_in_si_units(lammps: Worker) -> None:
     )
     run = lammps.run(scene, Method(scheme="velocity_verlet", dt=3600.0))
     pull = 6.6743e-11 * 1.98841e30 * 5.97217e24 / 1.495978707e11**2
-    np.testing.assert_allclose(run.forces, [[0, pull, 0], [0, -pull, 0]], rtol=1e-14)
+    np.testing.assert_allclose(run["forces"], [[0, pull, 0], [0, -pull, 0]], rtol=1e-14)
 
 
 # -- Lennard-Jones ---------------------------------------------------------------------------------
@@ -204,14 +204,14 @@ def test_forces_energy_and_virial(lammps: Worker, name: str) -> None:
     scene = SCENES[name]
     run, expected = lammps.run(scene, STEP), evaluate(scene)
     state = scene.initial_state()
-    np.testing.assert_allclose(run.forces, expected.forces, atol=1e-13 * np.abs(expected.forces).max())
-    np.testing.assert_allclose(run.potential_energy, expected.energy, rtol=1e-13)
-    np.testing.assert_allclose(run.virial, expected.virial, rtol=1e-13)
+    np.testing.assert_allclose(run["forces"], expected.forces, atol=1e-13 * np.abs(expected.forces).max())
+    np.testing.assert_allclose(run["potential_energy"], expected.energy, rtol=1e-13)
+    np.testing.assert_allclose(run["virial"], expected.virial, rtol=1e-13)
     np.testing.assert_allclose(
-        run.kinetic_energy, 0.5 * np.sum(state.masses[:, None] * state.velocities**2), rtol=1e-14
+        run["kinetic_energy"], 0.5 * np.sum(state.masses[:, None] * state.velocities**2), rtol=1e-14
     )
-    np.testing.assert_allclose(run.final_positions, state.positions, rtol=1e-15, atol=1e-14)
-    np.testing.assert_array_equal(run.final_velocities, state.velocities)
+    np.testing.assert_allclose(run["final_positions"], state.positions, rtol=1e-15, atol=1e-14)
+    np.testing.assert_array_equal(run["final_velocities"], state.velocities)
 
 
 def test_sampling_changes_nothing(lammps: Worker) -> None:
@@ -241,9 +241,9 @@ def test_exploding_fluid_diverges(lammps: Worker) -> None:
     )
     run = lammps.run(scene, Method(scheme="velocity_verlet", dt=0.1))
     assert run.diverged
-    assert np.isfinite(run.positions[0]).all()
-    assert np.isnan(run.final_positions).all()
-    np.testing.assert_array_equal(np.isnan(run.positions).all(axis=(1, 2)), np.isnan(run.potential_energy))
+    assert np.isfinite(run["positions"][0]).all()
+    assert np.isnan(run["final_positions"]).all()
+    np.testing.assert_array_equal(np.isnan(run["positions"]).all(axis=(1, 2)), np.isnan(run["potential_energy"]))
 
 
 PAIR = Explicit(positions=((0.0, 0.0), (1.0, 0.0)))

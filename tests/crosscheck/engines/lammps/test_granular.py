@@ -82,18 +82,18 @@ def test_restitution_and_duration(lammps: Worker, alpha: float, masses: tuple[fl
         dt = span / resolution
         scene = impacts(alpha, dt, 2 * span, masses)
         run = lammps.run(scene, method(dt))
-        v = run.final_velocities[:, 0].reshape(2, 16)
+        v = run["final_velocities"][:, 0].reshape(2, 16)
         found = (v[1] - v[0]) / 2
         errors.append(np.sqrt(np.mean((found - alpha) ** 2)))
         # the impulse of the dashpot, which acts at once, in a step; and Verlet's frequency, off by (omega dt)^2/24
         step = 2 * abs(math.log(alpha)) / resolution
         assert np.abs(found - alpha).max() < step + (math.pi / resolution) ** 2 / 24
         # a contact begins and ends within a step
-        assert run.tallies["contact_time"][-1] / 16 == pytest.approx(span, rel=1 / resolution)
+        assert run["contact_time"][-1] / 16 == pytest.approx(span, rel=1 / resolution)
         # trapezoids are the impulses exactly, here at distances from 1 - deepest overlap to 1
         impulse = masses[0] * float(np.sum(1 - v[0]))
         deepest = 2 * math.sqrt(reduced / K)
-        assert (1 - deepest) * impulse < run.tallies["collisional_virial"][-1] < impulse
+        assert (1 - deepest) * impulse < run["collisional_virial"][-1] < impulse
         np.testing.assert_allclose(masses[0] * v[0] + masses[1] * v[1], masses[0] - masses[1], atol=1e-12)
     # 4 by the first order of the dashpot, but 16 places in the step scatter
     assert errors[0] / errors[1] > 3
@@ -104,7 +104,7 @@ def test_hertz_has_the_restitution_too(lammps: Worker, masses: tuple[float, floa
     alpha, dt = 0.6, 1e-4
     scene = impacts(alpha, dt, 0.2, masses)
     run = lammps.run(scene, method(dt, law="hertz"))
-    v = run.final_velocities[:, 0].reshape(2, 16)
+    v = run["final_velocities"][:, 0].reshape(2, 16)
     # the impulse of the dashpot in the first step, at an overlap of 2 dt
     reduced, log = masses[0] * masses[1] / sum(masses), abs(math.log(alpha))
     damping = math.sqrt(5 * K / reduced) * log / math.sqrt(math.pi**2 + log**2)
@@ -146,16 +146,16 @@ def test_sticking_contact(
         """Of the surface of the first over that of the second."""
         return ((v[0] - v[1]) + np.cross(omega[0] + omega[1], 0.5 * n))[1:]
 
-    before = slip(moved(run.velocities[0]), moved(run.angular_velocities[0]))
-    v, omega = moved(run.final_velocities), moved(run.final_angular_velocities)
+    before = slip(moved(run["velocities"][0]), moved(run["angular_velocities"][0]))
+    v, omega = moved(run["final_velocities"]), moved(run["final_angular_velocities"])
     # a step's turn of the tangential spring, at most pi in t_c; levers shorter by the overlap, at most sqrt(m_eff/k) 2
     reduced = 0.5 if masses == 1.0 else 2 / 3
     error = math.pi * dt / duration(alpha, k, reduced) + 2 * math.sqrt(reduced / k) / 0.5
     np.testing.assert_allclose(slip(v, omega), alpha_t * before, atol=error * np.abs(before).max())
-    np.testing.assert_allclose((m * v).sum(axis=0), (m * moved(run.velocities[0])).sum(axis=0), atol=1e-12)
+    np.testing.assert_allclose((m * v).sum(axis=0), (m * moved(run["velocities"][0])).sum(axis=0), atol=1e-12)
     rotation = 0.5 * inertia * 0.25 * np.sum(m * omega**2)
-    np.testing.assert_allclose(run.tallies["rotational_energy"][-1], rotation, rtol=1e-13)
-    np.testing.assert_allclose(run.kinetic_energy[-1], rotation + 0.5 * np.sum(m * v**2), rtol=1e-13)
+    np.testing.assert_allclose(run["rotational_energy"][-1], rotation, rtol=1e-13)
+    np.testing.assert_allclose(run["kinetic_energy"][-1], rotation + 0.5 * np.sum(m * v**2), rtol=1e-13)
 
 
 def test_across_the_edge_of_the_box(lammps: Worker) -> None:
@@ -181,8 +181,8 @@ def test_across_the_edge_of_the_box(lammps: Worker) -> None:
     for name in ("positions", "velocities", "angular_velocities", "kinetic_energy"):
         np.testing.assert_allclose(getattr(through, name), getattr(inside, name), atol=1e-11)
     for name in ("collisional_virial", "contact_time"):
-        assert inside.tallies[name][-1] > 0
-        np.testing.assert_allclose(through.tallies[name], inside.tallies[name], atol=1e-11)
+        assert inside[name][-1] > 0
+        np.testing.assert_allclose(through[name], inside[name], atol=1e-11)
 
 
 def test_sampling_changes_nothing(lammps: Worker) -> None:
@@ -205,7 +205,7 @@ def test_sampling_changes_nothing(lammps: Worker) -> None:
         np.testing.assert_array_equal(getattr(seldom, name), getattr(never, name))
     assert never.tallies == {}
     for name in ("collisional_virial", "contact_time"):
-        np.testing.assert_allclose(seldom.tallies[name], often.tallies[name][::50], rtol=1e-12)
+        np.testing.assert_allclose(seldom[name], often[name][::50], rtol=1e-12)
     # the pairs that touch, at every step
     lengths = scene.lengths()
     assert lengths is not None
@@ -214,7 +214,7 @@ def test_sampling_changes_nothing(lammps: Worker) -> None:
         apart = x[:, None] - x
         apart -= lengths * np.round(apart / lengths)
         touching.append((np.count_nonzero(np.sum(apart**2, axis=-1) < 1) - 80) / 2)
-    assert often.tallies["contact_time"][-1] == pytest.approx(np.trapezoid(touching, dx=1e-3), rel=1e-12)
+    assert often["contact_time"][-1] == pytest.approx(np.trapezoid(touching, dx=1e-3), rel=1e-12)
     assert max(touching) > 1
 
 
@@ -244,14 +244,14 @@ def test_grain_on_each_wall(lammps: Worker, dimension: int, masses: Any) -> None
         output=Output(interval=0.1, observables=("wall_impulse", "collisional_virial", "contact_time")),
     )
     run = lammps.run(scene, method(dt))
-    left = np.sum(run.final_velocities * toward, axis=1)
+    left = np.sum(run["final_velocities"] * toward, axis=1)
     spans = np.array([duration(a, reduced=mass) for a, mass in zip(alpha, m, strict=True)])
     # the impulse of the dashpot in a step
     assert (np.abs(-left / 3 - alpha) < 2 * np.abs(np.log(alpha)) * dt / spans).all()
-    expected = m[:, None] * (3 * toward - run.final_velocities)
-    np.testing.assert_allclose(run.tallies["wall_impulse"][-1], expected, atol=1e-11)
-    assert run.tallies["contact_time"][-1] == 0  # of pairs
-    assert run.tallies["collisional_virial"][-1] == 0
+    expected = m[:, None] * (3 * toward - run["final_velocities"])
+    np.testing.assert_allclose(run["wall_impulse"][-1], expected, atol=1e-11)
+    assert run["contact_time"][-1] == 0  # of pairs
+    assert run["collisional_virial"][-1] == 0
 
 
 @pytest.mark.parametrize("masses", [(1.0, 1.0), (1.0, 2.0)])
@@ -283,13 +283,13 @@ def test_sticking_on_walls(
         )
         run = lammps.run(scene, method(dt, stiffness=k, friction=friction))
         # the surface at the wall moves along y with v_y - R omega
-        slip = run.final_velocities[0, 1] - 0.5 * run.final_angular_velocities[0, 0]
+        slip = run["final_velocities"][0, 1] - 0.5 * run["final_angular_velocities"][0, 0]
         # a step's turn of the tangential spring, at most pi in t_c; in the drum the normal turns by the way along it
         error = math.pi * dt / duration(alpha, k, 1.0) + duration(alpha, k, 1.0) / (radius - 0.5) * (box is drum)
         assert slip == pytest.approx(alpha_t * -0.35, abs=error * 0.35)
         if box is plane:  # m v_y = -I (omega - 0.7)/R, I = m R^2/2
-            spin = run.final_angular_velocities[0, 0]
-            assert run.final_velocities[0, 1] == pytest.approx(-0.25 * (spin - 0.7), rel=1e-12)
+            spin = run["final_angular_velocities"][0, 0]
+            assert run["final_velocities"][0, 1] == pytest.approx(-0.25 * (spin - 0.7), rel=1e-12)
 
 
 def test_sliding_on_a_wall_is_coulombs(lammps: Worker) -> None:
@@ -309,11 +309,11 @@ def test_sliding_on_a_wall_is_coulombs(lammps: Worker) -> None:
         output=Output(interval=0.1, observables=("wall_impulse",)),
     )
     run = lammps.run(scene, method(1e-4, friction="dashpot"))
-    along, into = run.tallies["wall_impulse"][-1, 2]
+    along, into = run["wall_impulse"][-1, 2]
     assert into < -1.9
     assert along == pytest.approx(-mu * into, rel=1e-12)
     # I = m R^2/2: R J_t/I
-    np.testing.assert_allclose(run.final_angular_velocities, -along * 0.5 / 0.125, rtol=1e-12)
+    np.testing.assert_allclose(run["final_angular_velocities"], -along * 0.5 / 0.125, rtol=1e-12)
 
 
 @pytest.mark.parametrize("phase", [0.0, math.pi, 2.0])
@@ -358,14 +358,12 @@ def test_oscillating_wall(lammps: Worker, face: str, phase: float) -> None:
     span = duration(alpha, k, 1.0)
     # in t_c the wall gains A omega^2 t_c; the first step of the dashpot, as for walls at rest
     slack = (1 + alpha) * (amplitude * omega**2 * span + 2 * abs(math.log(alpha)) * dt / span * (speed + 0.5))
-    assert inward * run.final_velocities[0, 1] == pytest.approx(leaving, abs=slack)
-    found = run.final_positions[0, 1] if face == "y-" else 4.0 - run.final_positions[0, 1]
+    assert inward * run["final_velocities"][0, 1] == pytest.approx(leaving, abs=slack)
+    found = run["final_positions"][0, 1] if face == "y-" else 4.0 - run["final_positions"][0, 1]
     # leaves up to t_c later
     assert found == pytest.approx(place, abs=slack + (speed + leaving) * span)
     row = 2 if face == "y-" else 3
-    assert -inward * run.tallies["wall_impulse"][-1, row, 1] == pytest.approx(
-        inward * run.final_velocities[0, 1] + speed
-    )
+    assert -inward * run["wall_impulse"][-1, row, 1] == pytest.approx(inward * run["final_velocities"][0, 1] + speed)
 
 
 @pytest.mark.parametrize(("dimension", "axis"), [(2, None), (3, "x"), (3, "y"), (3, "z")])
@@ -394,15 +392,15 @@ def test_turning_drum_drags_a_rough_grain(lammps: Worker, dimension: int, axis: 
         output=Output(interval=0.5, observables=("wall_torque", "wall_impulse"), trajectory=True),
     )
     run = lammps.run(scene, method(0.5 / 1000, stiffness=1e3))
-    r, v = run.positions[:, 0, across] - 2.5, run.velocities[:, 0, across]
+    r, v = run["positions"][:, 0, across] - 2.5, run["velocities"][:, 0, across]
     # x to z is left-handed
-    spin = (-1 if along == 1 else 1) * run.angular_velocities[:, 0, along if dimension == 3 else 0]
+    spin = (-1 if along == 1 else 1) * run["angular_velocities"][:, 0, along if dimension == 3 else 0]
     inertia = (0.5 if dimension == 2 else 0.4) * 0.25
     momentum = r[:, 0] * v[:, 1] - r[:, 1] * v[:, 0] + inertia * spin
     assert momentum[-1] > 2.0
-    np.testing.assert_allclose(momentum - momentum[0], run.tallies["wall_torque"], atol=1e-11)
-    impulse = run.tallies["wall_impulse"]
-    np.testing.assert_allclose(impulse[:, -1], run.velocities[0, 0] - run.velocities[:, 0], atol=1e-11)
+    np.testing.assert_allclose(momentum - momentum[0], run["wall_torque"], atol=1e-11)
+    impulse = run["wall_impulse"]
+    np.testing.assert_allclose(impulse[:, -1], run["velocities"][0, 0] - run["velocities"][:, 0], atol=1e-11)
     assert not impulse[:, :-1].any()
 
 
@@ -437,11 +435,11 @@ def test_momentum_of_grains_among_all_kinds_of_walls(lammps: Worker, dimension: 
     )
     run = lammps.run(scene, method(2e-4))
     m = np.array(scene.masses)[:, None]
-    momentum = (m * run.velocities).sum(axis=1)
-    gain = m.sum() * np.array(field) * run.time[:, None] - run.tallies["wall_impulse"].sum(axis=1)
+    momentum = (m * run["velocities"]).sum(axis=1)
+    gain = m.sum() * np.array(field) * run["time"][:, None] - run["wall_impulse"].sum(axis=1)
     np.testing.assert_allclose(momentum, momentum[0] + gain, atol=1e-10)
-    assert not run.tallies["wall_impulse"][:, 3].any()
-    assert (np.abs(run.tallies["wall_impulse"][-1, :3]).max(axis=1) > 1).all()
+    assert not run["wall_impulse"][:, 3].any()
+    assert (np.abs(run["wall_impulse"][-1, :3]).max(axis=1) > 1).all()
 
 
 def test_pipe(lammps: Worker) -> None:
@@ -459,10 +457,10 @@ def test_pipe(lammps: Worker) -> None:
         output=Output(interval=1.0, observables=("wall_impulse",), trajectory=True),
     )
     run = lammps.run(scene, method(1e-3))
-    assert np.abs(run.tallies["wall_impulse"][-1, -1, 1:]).max() > 1
+    assert np.abs(run["wall_impulse"][-1, -1, 1:]).max() > 1
     # the two are 1.5 apart along the pipe, for good: only the field acts along it
     np.testing.assert_allclose(
-        run.positions[:, :, 0] - [1.0, 2.5], 1.5 * np.stack([run.time**2] * 2, axis=1), atol=1e-9
+        run["positions"][:, :, 0] - [1.0, 2.5], 1.5 * np.stack([run["time"] ** 2] * 2, axis=1), atol=1e-9
     )
 
 
@@ -481,10 +479,15 @@ def test_step_far_too_long_diverges(lammps: Worker) -> None:
     )
     run = lammps.run(scene, method(0.1))
     assert run.diverged
-    assert np.isfinite(run.positions[0]).all()
-    for values in (run.final_velocities, run.final_angular_velocities, run.positions[-1], run.kinetic_energy[-1]):
+    assert np.isfinite(run["positions"][0]).all()
+    for values in (
+        run["final_velocities"],
+        run["final_angular_velocities"],
+        run["positions"][-1],
+        run["kinetic_energy"][-1],
+    ):
         assert np.isnan(values).all()
-    assert np.isnan(run.tallies["wall_impulse"][-1]).all()
+    assert np.isnan(run["wall_impulse"][-1]).all()
 
 
 def grains(**changes: Any) -> Scene:

@@ -83,9 +83,9 @@ def test_head_on(rebound: Worker, scheme: str, restitution: float) -> None:
     run = rebound.run(pair(hard_spheres=spheres), Method(scheme=scheme, dt=1 / 32))
     # the centre of mass rests; touching is overlapping, and t = 1 is the end of a step
     after = np.array([[-1.5, 0.0], [0.5, 0.0]]) * restitution
-    np.testing.assert_allclose(run.final_velocities, after, atol=4 * ROUNDING)
-    np.testing.assert_allclose(run.final_positions, np.array([[1.5, 0.0], [3.0, 0.0]]) + after, atol=100 * ROUNDING)
-    np.testing.assert_array_equal(run.tallies["collisions"], np.arange(33) >= 16)
+    np.testing.assert_allclose(run["final_velocities"], after, atol=4 * ROUNDING)
+    np.testing.assert_allclose(run["final_positions"], np.array([[1.5, 0.0], [3.0, 0.0]]) + after, atol=100 * ROUNDING)
+    np.testing.assert_array_equal(run["collisions"], np.arange(33) >= 16)
     assert (run.cost.steps, run.cost.events, run.cost.evaluations) == (64, 1, 0)
 
 
@@ -106,12 +106,12 @@ def test_any_impact(rebound: Worker, offset: float, speed: float, mass: float, r
         output=Output(interval=1 / 64, trajectory=True),
     )
     run = rebound.run(scene, Method(scheme=scheme, dt=1 / 64))
-    momentum = np.einsum("n,snd->sd", [1.0, mass], run.velocities)
+    momentum = np.einsum("n,snd->sd", [1.0, mass], run["velocities"])
     np.testing.assert_allclose(momentum, momentum[[0]] * np.ones((129, 1)), atol=8 * ROUNDING * (1 + mass) * speed)
-    hit = int(np.flatnonzero(np.diff(run.velocities[:, 0, 0]))[0]) + 1
-    apart = run.positions[hit, 0] - run.positions[hit, 1]
+    hit = int(np.flatnonzero(np.diff(run["velocities"][:, 0, 0]))[0]) + 1
+    apart = run["positions"][hit, 0] - run["positions"][hit, 1]
     normal = apart / np.linalg.norm(apart)
-    before, after = (run.velocities[k, 0] - run.velocities[k, 1] for k in (hit - 1, hit))
+    before, after = (run["velocities"][k, 0] - run["velocities"][k, 1] for k in (hit - 1, hit))
     assert 1.5 - (speed + 0.3) / 64 <= np.linalg.norm(apart) <= 1.5
     expected = before - (1 + restitution) * (before @ normal) * normal
     np.testing.assert_allclose(after, expected, atol=16 * ROUNDING * speed)
@@ -149,7 +149,7 @@ def test_late_impacts_are_of_first_order(rebound: Worker, scheme: str) -> None:
     for dt in (1 / 16, 1 / 64):
         run = rebound.run(pairs.scene, Method(scheme=scheme, dt=dt))
         assert run.cost.events == pairs.number
-        errors.append(np.linalg.norm(run.final_positions[: pairs.number] - exact, axis=1).mean())
+        errors.append(np.linalg.norm(run["final_positions"][: pairs.number] - exact, axis=1).mean())
     # late by a share of dt that is uniform: the mean has a relative standard error of 1/sqrt(3 number), twice
     assert errors[0] / errors[1] == pytest.approx(4, rel=4 * np.sqrt(2 / (3 * pairs.number)))
 
@@ -160,7 +160,7 @@ def test_grazing_pairs_pass_unseen(rebound: Worker, scheme: str) -> None:
     pairs, dt = Pairs(300, widest=1.0), 3 / 8
     seen = np.ceil(pairs.before / dt) * dt < pairs.before + pairs.inside
     run = rebound.run(pairs.scene, Method(scheme=scheme, dt=dt))
-    np.testing.assert_array_equal(run.final_velocities[: pairs.number, 0] != 1, seen)
+    np.testing.assert_array_equal(run["final_velocities"][: pairs.number, 0] != 1, seen)
     assert run.cost.events == seen.sum() < pairs.number
 
 
@@ -169,7 +169,7 @@ def test_no_search_sees_a_pair_that_has_passed(rebound: Worker, scheme: str) -> 
     # at the end of the step their centres have passed each other, by less than their contact distance
     run = rebound.run(pair(output=Output()), Method(scheme=scheme, dt=2.0))
     assert run.cost.events == 0
-    np.testing.assert_array_equal(run.final_velocities, [[1.5, 0.0], [-0.5, 0.0]])
+    np.testing.assert_array_equal(run["final_velocities"], [[1.5, 0.0], [-0.5, 0.0]])
 
 
 # -- space -------------------------------------------------------------------------------------------------------------
@@ -194,11 +194,11 @@ def test_unwrapped_and_in_order(rebound: Worker, scheme: str, dt: float) -> None
     )
     run = rebound.run(scene, Method(scheme=scheme, dt=dt))
     state = scene.initial_state()
-    exact = state.positions + run.time[:, None, None] * state.velocities
+    exact = state.positions + run["time"][:, None, None] * state.velocities
     assert run.cost.events == 0
-    np.testing.assert_array_equal(run.final_velocities, state.velocities)
+    np.testing.assert_array_equal(run["final_velocities"], state.velocities)
     # every step adds two roundings of a coordinate of at most a box
-    np.testing.assert_allclose(run.positions, exact, rtol=0, atol=2 * 8 / dt * 4.5 * ROUNDING)
+    np.testing.assert_allclose(run["positions"], exact, rtol=0, atol=2 * 8 / dt * 4.5 * ROUNDING)
 
 
 @each_search
@@ -212,8 +212,8 @@ def test_impact_across_a_corner_of_the_box(rebound: Worker, scheme: str) -> None
         initial=Explicit(positions=((1.25, 1.25), (5.75, 2.75)), velocities=((-1.0, -1.0), (0.0, 0.0))),
     )
     run = rebound.run(scene, Method(scheme=scheme, dt=1 / 256))
-    np.testing.assert_allclose(run.final_velocities, [[0.0, 0.0], [-1.0, -1.0]], atol=4 * ROUNDING)
-    np.testing.assert_allclose(run.final_positions.sum(axis=0), [6.0, 3.0], atol=1000 * ROUNDING)
+    np.testing.assert_allclose(run["final_velocities"], [[0.0, 0.0], [-1.0, -1.0]], atol=4 * ROUNDING)
+    np.testing.assert_allclose(run["final_positions"].sum(axis=0), [6.0, 3.0], atol=1000 * ROUNDING)
 
 
 @each_search
@@ -222,8 +222,8 @@ def test_open_space_has_no_edge(rebound: Worker, scheme: str) -> None:
     flight = Explicit(positions=((0.0, 0.0), (26.0, 0.0)), velocities=((2.0, 0.0), (1.5, 0.0)))
     scene = pair(masses=1.0, species=None, hard_spheres=HardSpheres(), initial=flight, duration=64.0, output=Output())
     run = rebound.run(scene, Method(scheme=scheme, dt=1 / 4))
-    np.testing.assert_allclose(run.final_positions, [[121.0, 0.0], [129.0, 0.0]], atol=256 * 128 * ROUNDING)
-    np.testing.assert_allclose(run.final_velocities, [[1.5, 0.0], [2.0, 0.0]], atol=4 * ROUNDING)
+    np.testing.assert_allclose(run["final_positions"], [[121.0, 0.0], [129.0, 0.0]], atol=256 * 128 * ROUNDING)
+    np.testing.assert_allclose(run["final_velocities"], [[1.5, 0.0], [2.0, 0.0]], atol=4 * ROUNDING)
 
 
 # -- gases -------------------------------------------------------------------------------------------------------------
@@ -238,10 +238,10 @@ def test_elastic_gas(rebound: Worker, scheme: str, dimension: int) -> None:
     assert run.cost.events > 500
     # each impact rounds a few times, at random
     rounding = 16 * ROUNDING * np.sqrt(run.cost.events)
-    np.testing.assert_allclose(run.kinetic_energy, run.kinetic_energy[0], rtol=rounding)
-    np.testing.assert_allclose(run.velocities.sum(axis=1), 0.0, atol=rounding * scene.number)
+    np.testing.assert_allclose(run["kinetic_energy"], run["kinetic_energy"][0], rtol=rounding)
+    np.testing.assert_allclose(run["velocities"].sum(axis=1), 0.0, atol=rounding * scene.number)
     again = rebound.run(scene, Method(scheme=scheme, dt=1 / 40))
-    np.testing.assert_array_equal(again.positions, run.positions)
+    np.testing.assert_array_equal(again.positions, run["positions"])
 
 
 @each_search
@@ -253,10 +253,10 @@ def test_impacts_are_counted_once(rebound: Worker, scheme: str) -> None:
         scene.changed(output=Output(interval=dt, observables=("collisions",), trajectory=True)),
         Method(scheme=scheme, dt=dt),
     )
-    changed = (np.diff(run.velocities, axis=0) != 0).any(axis=2).sum(axis=1)
+    changed = (np.diff(run["velocities"], axis=0) != 0).any(axis=2).sum(axis=1)
     assert set(changed) == {0, 2}
-    np.testing.assert_array_equal(np.diff(run.tallies["collisions"]), changed / 2)
-    assert run.cost.events == run.tallies["collisions"][-1] > 15
+    np.testing.assert_array_equal(np.diff(run["collisions"]), changed / 2)
+    assert run.cost.events == run["collisions"][-1] > 15
 
 
 @each_search
@@ -267,7 +267,7 @@ def test_rest_in_contact_is_no_collision(rebound: Worker, scheme: str) -> None:
     run = rebound.run(scene, Method(scheme=scheme, dt=3 / 40))
     assert run.cost.events == 3
     # three impulses turned by the sine of pi, or not
-    np.testing.assert_allclose(run.final_velocities, [[0.0, 0.0]] * 3 + [[1.0, 0.0]], atol=4 * ROUNDING)
+    np.testing.assert_allclose(run["final_velocities"], [[0.0, 0.0]] * 3 + [[1.0, 0.0]], atol=4 * ROUNDING)
 
 
 def test_the_searches_find_the_same_pairs(rebound: Worker) -> None:
@@ -277,7 +277,7 @@ def test_the_searches_find_the_same_pairs(rebound: Worker) -> None:
     assert runs[0].cost.events > 20
     for run in runs[1:]:
         # no two collisions in one step depend on each other: the order in which they are resolved does not matter
-        np.testing.assert_array_equal(run.positions, runs[0].positions)
+        np.testing.assert_array_equal(run["positions"], runs[0].positions)
 
 
 # -- what is asked and refused -----------------------------------------------------------------------------------------

@@ -55,13 +55,13 @@ def bodies(number: int = 6, **changes: Any) -> Scene:
 def test_two_bodies_exactly(rebound: Worker, scheme: str, tolerance: float) -> None:
     scene = orbit()
     run = rebound.run(scene, Method(scheme=scheme, dt=PERIOD / 1000))
-    np.testing.assert_allclose(run.final_positions, scene.initial_state().positions, atol=tolerance)
-    np.testing.assert_allclose(run.final_velocities, scene.initial_state().velocities, atol=tolerance)
-    np.testing.assert_allclose(run.positions[10, 1], [-0.375, 0.0], atol=tolerance)  # pericentre: a (1 - e) 3/4
-    distance = np.linalg.norm(run.positions[:, 0] - run.positions[:, 1], axis=1)
-    np.testing.assert_allclose(run.potential_energy, -0.1875 / distance, rtol=1e-13)
-    np.testing.assert_allclose(run.virial, run.potential_energy, rtol=0)
-    np.testing.assert_allclose(run.kinetic_energy + run.potential_energy, -0.09375, rtol=1e-11)
+    np.testing.assert_allclose(run["final_positions"], scene.initial_state().positions, atol=tolerance)
+    np.testing.assert_allclose(run["final_velocities"], scene.initial_state().velocities, atol=tolerance)
+    np.testing.assert_allclose(run["positions"][10, 1], [-0.375, 0.0], atol=tolerance)  # pericentre: a (1 - e) 3/4
+    distance = np.linalg.norm(run["positions"][:, 0] - run["positions"][:, 1], axis=1)
+    np.testing.assert_allclose(run["potential_energy"], -0.1875 / distance, rtol=1e-13)
+    np.testing.assert_allclose(run["virial"], run["potential_energy"], rtol=0)
+    np.testing.assert_allclose(run["kinetic_energy"] + run["potential_energy"], -0.09375, rtol=1e-11)
     assert run.cost.evaluations == (0 if scheme == "ias15" else 1000)
 
 
@@ -75,8 +75,8 @@ def test_leapfrog_is_position_verlet(rebound: Worker) -> None:
         pull = -m[0] * m[1] * apart / np.linalg.norm(apart) ** 3
         v = v + 0.01 * np.array([pull / m[0], -pull / m[1]])
         r = r + 0.005 * v
-    np.testing.assert_allclose(run.final_positions, r, atol=1e-13)
-    np.testing.assert_allclose(run.final_velocities, v, atol=1e-13)
+    np.testing.assert_allclose(run["final_positions"], r, atol=1e-13)
+    np.testing.assert_allclose(run["final_velocities"], v, atol=1e-13)
     assert run.cost.evaluations == run.cost.steps == 100
 
 
@@ -113,17 +113,17 @@ def test_forces_and_energies(rebound: Worker, softening: float | None) -> None:
     np.fill_diagonal(square, np.inf)
     products = 0.5 * np.outer(m, m)
     pulls = -(products / square**1.5)[:, :, None] * apart
-    np.testing.assert_allclose(run.forces, pulls.sum(axis=1), rtol=1e-13, atol=1e-14)
-    np.testing.assert_allclose(run.kinetic_energy, 0.5 * np.sum(m[:, None] * v**2), rtol=1e-14)
+    np.testing.assert_allclose(run["forces"], pulls.sum(axis=1), rtol=1e-13, atol=1e-14)
+    np.testing.assert_allclose(run["kinetic_energy"], 0.5 * np.sum(m[:, None] * v**2), rtol=1e-14)
     if softening is None:
-        np.testing.assert_allclose(run.potential_energy, -0.5 * np.sum(products / np.sqrt(square)), rtol=1e-13)
-        np.testing.assert_allclose(run.virial, 0.5 * np.sum(apart * pulls), rtol=1e-13)
+        np.testing.assert_allclose(run["potential_energy"], -0.5 * np.sum(products / np.sqrt(square)), rtol=1e-13)
+        np.testing.assert_allclose(run["virial"], 0.5 * np.sum(apart * pulls), rtol=1e-13)
 
 
 def test_test_particles_pull_nothing(rebound: Worker) -> None:
     run = rebound.run(orbit(masses=(1.0, 0.0), output=Output()), Method(scheme="leapfrog", dt=PERIOD / 1000))
-    np.testing.assert_array_equal(run.final_positions[0], [0.0, 0.0])
-    assert np.linalg.norm(run.final_positions[1] - [1.5, 0.0]) < 1e-2
+    np.testing.assert_array_equal(run["final_positions"][0], [0.0, 0.0])
+    assert np.linalg.norm(run["final_positions"][1] - [1.5, 0.0]) < 1e-2
 
 
 def test_bodies_in_one_place_diverge(rebound: Worker) -> None:

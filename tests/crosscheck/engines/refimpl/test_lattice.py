@@ -65,11 +65,11 @@ def counted(sites: np.ndarray, channels: int, across: int, down: int) -> np.ndar
 def test_tallies_of_particles(refimpl: Worker) -> None:
     scene = full()
     run = refimpl.run(scene, PLANES)
-    np.testing.assert_array_equal(run.time, [0, 10, 20])
+    np.testing.assert_array_equal(run["time"], [0, 10, 20])
     shapes = {"populations": (3, 4, 3, 6), "force_impulse": (3, 12), "sites": (12, 40)}
-    assert {name: array.shape for name, array in run.tallies.items()} == shapes == gas_tally_shapes(scene, 3)
-    assert run.final_positions.shape == run.final_velocities.shape == (0, 2)
-    assert (run.stopped, run.diverged, run.positions) == ("", False, None)
+    assert {name: array.shape for name, array in run.items()} == shapes == gas_tally_shapes(scene, 3)
+    assert run["final_positions"].shape == run["final_velocities"].shape == (0, 2)
+    assert (run.stopped, run.diverged, run["positions"]) == ("", False, None)
     assert (run.cost.steps, run.cost.evaluations, run.cost.events) == (20, 0, 0)
     assert run.cost.compile > 0
     assert run.cost.wall > 0
@@ -79,7 +79,7 @@ def test_tallies_of_particles(refimpl: Worker) -> None:
 def test_populations_are_those_of_the_sites(refimpl: Worker, method: Method) -> None:
     run = refimpl.run(gas(), method)
     start = gas().initial_sites()
-    populations, sites = run.tallies["populations"], run.tallies["sites"]
+    populations, sites = run["populations"], run["sites"]
     np.testing.assert_array_equal(populations[0], counted(start, 6, 4, 3))
     np.testing.assert_array_equal(populations[-1], counted(sites, 6, 4, 3))
     assert len(set(populations.sum(axis=(1, 2, 3)))) == 1
@@ -89,9 +89,9 @@ def test_populations_are_those_of_the_sites(refimpl: Worker, method: Method) -> 
 def test_one_block_without_fields_and_nothing_unasked(refimpl: Worker) -> None:
     whole = gas(output={"fields": None, "observables": ("populations",)})
     run = refimpl.run(whole, NUMPY)
-    assert run.tallies.keys() == {"populations"}
+    assert run.keys() == {"populations"}
     blocks = refimpl.run(gas(), NUMPY).tallies["populations"]
-    np.testing.assert_array_equal(run.tallies["populations"][:, 0, 0], blocks.sum(axis=(1, 2)))
+    np.testing.assert_array_equal(run["populations"][:, 0, 0], blocks.sum(axis=(1, 2)))
     assert refimpl.run(gas(output={"interval": None, "observables": ()}), NUMPY).tallies == {}
 
 
@@ -99,7 +99,7 @@ def test_all_gases_are_one(refimpl: Worker) -> None:
     runs = [refimpl.run(full(), method) for method in GASES]
     for run in runs[1:]:
         for name, values in runs[0].tallies.items():
-            np.testing.assert_array_equal(run.tallies[name], values)
+            np.testing.assert_array_equal(run[name], values)
 
 
 def test_the_gas_is_that_of_the_scene(refimpl: Worker) -> None:
@@ -107,11 +107,11 @@ def test_the_gas_is_that_of_the_scene(refimpl: Worker) -> None:
     expected = PlainGas(FHP, scene.initial_sites(), seed=1, walls=scene.wall_rules(), forcing=Forcing(3, 0.2))
     expected.advance(20)
     run = refimpl.run(scene, PLANES)
-    np.testing.assert_array_equal(run.time, [0, 10, 20])
-    np.testing.assert_array_equal(run.tallies["force_impulse"][2], -2.0 * expected.impulses)
+    np.testing.assert_array_equal(run["time"], [0, 10, 20])
+    np.testing.assert_array_equal(run["force_impulse"][2], -2.0 * expected.impulses)
     # the run goes on to its end after the last sample
     expected.advance(5)
-    np.testing.assert_array_equal(run.tallies["sites"], expected.sites)
+    np.testing.assert_array_equal(run["sites"], expected.sites)
     assert run.cost.steps == 25
 
 
@@ -127,8 +127,8 @@ def test_the_force_gives_the_momentum_that_it_counts(refimpl: Worker, model: str
     observables = ("populations", "force_impulse")
     scene = gas(model, lattice_gas={"force": force}, output={"observables": observables, "interval": 5})
     run = refimpl.run(scene, NUMPY)
-    momentum = run.tallies["populations"].sum(axis=(1, 2)) @ MODELS[model].velocities.cartesian
-    given = run.tallies["force_impulse"].sum(axis=1)
+    momentum = run["populations"].sum(axis=(1, 2)) @ MODELS[model].velocities.cartesian
+    given = run["force_impulse"].sum(axis=1)
     np.testing.assert_allclose(momentum[:, 0] - momentum[0, 0], given, atol=1e-10)
     np.testing.assert_allclose(momentum[:, 1], momentum[0, 1], atol=1e-10)
     assert np.sign(given[-1]) == np.sign(force)
@@ -140,8 +140,8 @@ def test_the_largest_force_is_one_too(refimpl: Worker, force: float) -> None:
     scene = gas(lattice_gas={"force": force, "obstacles": WALLS}, output={"observables": ("sites", "force_impulse")})
     runs = [refimpl.run(scene, method) for method in GASES]
     for run in runs:
-        np.testing.assert_array_equal(run.tallies["sites"], runs[0].tallies["sites"])
-        assert np.sign(run.tallies["force_impulse"][-1].sum()) == force
+        np.testing.assert_array_equal(run["sites"], runs[0].tallies["sites"])
+        assert np.sign(run["force_impulse"][-1].sum()) == force
 
 
 @pytest.mark.parametrize("method", [PLANES, NUMPY], ids=lambda method: method.scheme)
@@ -157,10 +157,10 @@ def test_reversals_lead_back(refimpl: Worker, method: Method, interval: int | No
     )
     run = refimpl.run(scene, method)
     there = refimpl.run(scene.changed(duration=60, lattice_gas=LatticeGas(model="hpp", rows=12, columns=40)), method)
-    np.testing.assert_array_equal(run.tallies["sites"], scene.initial_sites())
-    assert (there.tallies["sites"] != scene.initial_sites()).mean() > 0.3
+    np.testing.assert_array_equal(run["sites"], scene.initial_sites())
+    assert (there["sites"] != scene.initial_sites()).mean() > 0.3
     if interval == 60:
-        populations = run.tallies["populations"].sum(axis=(1, 2))
+        populations = run["populations"].sum(axis=(1, 2))
         np.testing.assert_array_equal(populations[2], populations[0])
         momentum = populations @ np.array(HPP.velocities.integers)
         np.testing.assert_array_equal(momentum[1], -momentum[0])
@@ -175,10 +175,10 @@ def test_boltzmann_gives_means(refimpl: Worker) -> None:
     start = {"channels": tuple(f)}
     output = {"interval": 1, "observables": ("populations", "h_function"), "fields": (1, 1)}
     run = refimpl.run(gas(initial=start, duration=3, output=output), BOLTZMANN)
-    means = run.tallies["populations"][:, 0, 0] / (12 * 40)
+    means = run["populations"][:, 0, 0] / (12 * 40)
     np.testing.assert_allclose(means[:2], [f, f + collision_term(FHP, f)], rtol=1e-12)
     np.testing.assert_allclose(means.sum(axis=1), f.sum(), rtol=1e-12)
-    h = run.tallies["h_function"]
+    h = run["h_function"]
     np.testing.assert_allclose(h[0], 12 * 40 * entropy_density(f), rtol=1e-12)
     assert (np.diff(h) < 0).all()
     many = gas(rows=200, columns=500, initial=start, duration=1, output=output | {"observables": ("populations",)})
