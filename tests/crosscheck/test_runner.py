@@ -10,9 +10,11 @@ from typing import Any
 
 import pytest
 
-from crosscheck.checks.base import Check, Laboratory, fixed, schemes_with
+from crosscheck.checks.base import Check, Laboratory, full, quick, schemes_with
+from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.registry import engine_class
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
-from crosscheck.runner import Case, close_pools, find, judge, run, select
+from crosscheck.runner import Case, close_pools, find, judge, run, select, unmatched
 from crosscheck.scene import Explicit, Method, Scene, Spring
 from crosscheck.verdict import Judgement, Verdict, round_off
 
@@ -22,11 +24,13 @@ SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), in
 MORTAL = """
 import os, signal
 import numpy as np
+from crosscheck.engines.capabilities import capability
 from crosscheck.engines.protocol import Claims, Run, sample_times
 
 class Engine:
     name = "mortal"
     schemes = {"good": Claims((1, 1))}
+    capabilities = (capability("spring", "stepping", words="dimension=1", observables=""),)
     runs = 0
 
     def version(self):
@@ -40,7 +44,7 @@ class Engine:
         if Engine.runs == 2:
             os.kill(os.getpid(), signal.SIGKILL)
         state = scene.initial_state()
-        return Run(sample_times(scene, method), state.positions, state.velocities)
+        return Run(time=sample_times(scene, method), final_positions=state.positions, final_velocities=state.velocities)
 """
 
 
@@ -49,7 +53,7 @@ def passed(laboratory: Laboratory, variant: str) -> Judgement:
 
 
 def check(name: str, judge: Any = passed, **changes: Any) -> Check:
-    options = {"variants": fixed("one"), "faults": ()} | changes
+    options = {"variants": quick("one"), "faults": (), "needs": Needs("spring")} | changes
     return Check(name, "title", "equation", "criterion", "citation", judge, **options)
 
 
@@ -60,7 +64,7 @@ def no_workers_left() -> Iterator[None]:
 
 
 def offer(monkeypatch: pytest.MonkeyPatch, *checks: Check) -> None:
-    monkeypatch.runner["all_checks"] = lambda: checks
+    monkeypatch.setattr("crosscheck.runner.all_checks", lambda: checks)
 
 
 def names(cases: list[Case]) -> list[str]:
@@ -74,9 +78,13 @@ def names(cases: list[Case]) -> list[str]:
 def three(monkeypatch: pytest.MonkeyPatch) -> None:
     offer(
         monkeypatch,
-        check("a/quick", variants=fixed("one", "two")),
-        check("a/slow", tier="full"),
-        check("b/schemes", variants=schemes_with(lambda name, claims: claims.symplectic is True), engines=("rebound",)),
+        check("a/quick", variants=quick("one", "two")),
+        check("a/slow", variants=full("one")),
+        check(
+            "b/schemes",
+            variants=schemes_with(lambda name, claims: claims.symplectic is True),
+            needs=Needs("hard_spheres", ("collision_search",)),
+        ),
     )
 
 
@@ -97,18 +105,35 @@ def test_patterns_and_tiers(patterns: list[str], tier: str, found: list[str]) ->
 
 
 @pytest.mark.usefixtures("three")
-def test_own_engines_are_tried_where_they_are_named() -> None:
-    cases = select(["b/*"], "quick", ["refimpl", "rebound"])
-    assert cases
-    assert {case.engine for case in cases} == {"rebound"}
-
-
-@pytest.mark.usefixtures("three")
-def test_other_engines_are_tried_on_every_check(tmp_path: Path) -> None:
+def test_engines_get_the_checks_whose_needs_they_declare(tmp_path: Path) -> None:
+    """Own and foreign ones alike: by what they declare, not by their names."""
+    cases = select([], "quick", ["refimpl", "rebound"])
+    assert {(case.check, case.engine) for case in cases} == {("a/quick", "refimpl"), ("b/schemes", "rebound")}
     file = tmp_path / "engine.py"
-    file.write_text(MORTAL.replace("Claims((1, 1))", "Claims((1, 1), symplectic=True)"))
-    cases = select([], "full", [f"{file}:Engine"])
-    assert names(cases) == ["a/quick/one", "a/quick/two", "a/slow/one", "b/schemes/good"]
+    file.write_text(MORTAL)
+    assert names(select([], "full", [f"{file}:Engine"])) == ["a/quick/one", "a/quick/two", "a/slow/one"]
+
+
+@pytest.mark.parametrize(
+    ("needs", "reason"),
+    [
+        (Needs("spring"), None),
+        (Needs("spring", observables=frozenset({"virial"})), None),
+        (Needs("spring", words=frozenset({"spring.gamma", "box"})), "no box"),
+        (Needs("spring", schemes=("velocity_verlet", "magic")), "no scheme magic"),
+        (Needs("spring", ("lattice",)), "no lattice scheme for [spring]"),
+        (Needs("spring", promises=("speed", "beauty")), "does not promise beauty"),
+        ((Needs("spring"), Needs("lattice_gas", ("lattice",))), None),
+        ((Needs("spring"), Needs("lattice_gas")), "no stepping scheme for [lattice_gas]"),
+    ],
+)
+def test_what_an_engine_lacks_is_said(needs: Any, reason: str | None) -> None:
+    assert unmatched(check("a/b", needs=needs), "refimpl", engine_class("refimpl")) == reason
+
+
+def test_a_check_does_not_judge_what_it_compares_with() -> None:
+    assert unmatched(check("a/b", reference="lammps"), "lammps", engine_class("lammps")) is not None
+    assert unmatched(check("a/b", reference="lammps"), "refimpl", engine_class("refimpl")) is None
 
 
 @pytest.mark.usefixtures("three")
@@ -167,9 +192,9 @@ def test_whatever_goes_wrong_is_a_verdict(
 ) -> None:
     offer(monkeypatch, check("a/b", how))
     verdict = judge(Case("a/b", "one", "refimpl", False), seed=0)
-    assert (verdict.check, verdict.engine) == ("a/b/one", "refimpl")
+    assert (verdict.name, verdict.check, verdict.variant, verdict.engine) == ("a/b/one", "a/b", "one", "refimpl")
     assert (verdict.outcome, verdict.message) == (outcome, message)
-    assert (verdict.judgement is None) == (outcome != "pass")
+    assert (verdict.findings is None) == (outcome != "pass")
     assert verdict.cost["seconds"] >= 0
 
 
@@ -180,19 +205,31 @@ def test_a_case_knows_its_variant_its_claims_and_its_seeds(monkeypatch: pytest.M
         seen.append((variant, laboratory.seed(), laboratory.seed("other"), sorted(laboratory.claims)[0]))
         return passed(laboratory, variant)
 
-    offer(monkeypatch, check("a/b", look))
+    offer(monkeypatch, check("a/b", look, variants=quick("one", two=2)))
     for seed, variant in ((0, "one"), (0, "one"), (1, "one"), (0, "two")):
         judge(Case("a/b", variant, "refimpl", False), seed)
     assert seen[0] == seen[1]
-    assert [entry[0] for entry in seen] == ["one", "one", "one", "two"]
+    assert [entry[0] for entry in seen] == ["one", "one", "one", 2]
     assert len({number for entry in seen for number in entry[1:3]}) == 6
     assert seen[0][3] == "beeman"
+
+
+def test_a_variant_that_an_engine_has_not_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    offer(monkeypatch, check("a/b"))
+    verdict = judge(Case("a/b", "two", "refimpl", False), 0)
+    assert verdict.outcome == "error"
+    assert "check a/b has no variant 'two' for refimpl" in verdict.message
 
 
 def test_costs_of_all_runs_add_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     file = tmp_path / "engine.py"
     text = MORTAL.replace("Engine.runs == 2", "False").replace("import Claims, Run", "import Claims, Cost, Run")
-    file.write_text(text.replace("state.velocities)", "state.velocities, cost=Cost(1, 1, 1, 3, 4, 5 * Engine.runs))"))
+    file.write_text(
+        text.replace(
+            "final_velocities=state.velocities)",
+            "final_velocities=state.velocities, cost=Cost(1, 1, 1, 3, 4, 5 * Engine.runs))",
+        )
+    )
 
     def twice(laboratory: Laboratory, variant: str) -> Judgement:
         laboratory.run(SCENE, Method(scheme="good", dt=0.1))
@@ -209,10 +246,10 @@ def test_costs_of_all_runs_add_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
 
 
 def test_every_case_gets_one_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
-    offer(monkeypatch, check("a/b", variants=fixed(*"abcdef")), check("a/c", raises(EngineError("broken"))))
+    offer(monkeypatch, check("a/b", variants=quick(*"abcdef")), check("a/c", raises(EngineError("broken"))))
     cases, started = select([], "quick", ["refimpl"]), []
     verdicts = list(run(cases, seed=0, jobs=3, on_start=started.append))
-    assert sorted(verdict.check for verdict in verdicts) == names(cases)
+    assert sorted(verdict.name for verdict in verdicts) == names(cases)
     assert sorted(started, key=lambda case: case.name) == cases
     assert [verdict.outcome for verdict in verdicts].count("error") == 1
 
@@ -230,14 +267,14 @@ def test_timing_runs_after_the_others_and_alone(monkeypatch: pytest.MonkeyPatch,
 
     offer(
         monkeypatch,
-        check("a/timing", busy, timing=True, variants=fixed(*"xyz")),
-        check("b/other", busy, variants=fixed(*"abcdef")),
+        check("a/timing", busy, timing=True, variants=quick(*"xyz")),
+        check("b/other", busy, variants=quick(*"abcdef")),
     )
     cases = select([], "quick", ["refimpl"])
     with ThreadPoolExecutor(4) as executor:
         verdicts = list(run(cases, 0, 4, executor=None if own else executor))
     assert {verdict.outcome for verdict in verdicts} == {"pass"}
-    assert [verdict.check for verdict in verdicts][6:] == [f"a/timing/{name}" for name in "xyz"]
+    assert [verdict.name for verdict in verdicts][6:] == [f"a/timing/{name}" for name in "xyz"]
     assert log[12:] == [(what, f"a/timing/{name}") for name in "xyz" for what in ("start", "end")]
 
 
@@ -257,7 +294,7 @@ def test_threads_start_far_apart_and_share_what_is_left(monkeypatch: pytest.Monk
             others.set()
         return passed(laboratory, variant)
 
-    offer(monkeypatch, check("a/b", busy, variants=fixed(*"abcdefgh")))
+    offer(monkeypatch, check("a/b", busy, variants=quick(*"abcdefgh")))
     assert {verdict.outcome for verdict in run(select([], "quick", ["refimpl"]), 0, 2)} == {"pass"}
     assert sorted(done.values()) == [["a"], ["e", "f", "g", "h", "d", "c", "b"]]
 
@@ -273,7 +310,7 @@ def test_a_run_that_is_left_cancels_the_rest(monkeypatch: pytest.MonkeyPatch) ->
     done = []
     offer(
         monkeypatch,
-        check("a/b", lambda laboratory, variant: done.append(variant), variants=fixed(*map(str, range(500)))),
+        check("a/b", lambda laboratory, variant: done.append(variant), variants=quick(*map(str, range(500)))),
     )
     verdicts = run(select([], "quick", ["refimpl"]), 0, 1)
     next(verdicts)
@@ -287,9 +324,9 @@ def test_a_worker_that_dies_costs_one_verdict(monkeypatch: pytest.MonkeyPatch, t
 
     def runs(laboratory: Laboratory, variant: str) -> Judgement:
         found = laboratory.run(SCENE, Method(scheme="good", dt=0.1))
-        return round_off("position", float(found.final_positions[0, 0]) - 1, 1.0, "because")
+        return round_off("position", float(found["final_positions"][0, 0]) - 1, 1.0, "because")
 
-    offer(monkeypatch, check("a/b", runs, variants=fixed("1", "2", "3")))
+    offer(monkeypatch, check("a/b", runs, variants=quick("1", "2", "3")))
     # one job: the new process would die on its second run too
     verdicts: list[Verdict] = list(run(select([], "quick", [f"{file}:Engine"]), 0, 1))
     assert sorted(verdict.outcome for verdict in verdicts) == ["error", "pass", "pass"]
@@ -306,7 +343,7 @@ def test_workers_are_ended_with_the_run(monkeypatch: pytest.MonkeyPatch, tmp_pat
         processes.append(int(laboratory.pool.worker(laboratory.engine).version()))
         return passed(laboratory, variant)
 
-    offer(monkeypatch, check("a/b", ask, variants=fixed("1", "2", "3")))
+    offer(monkeypatch, check("a/b", ask, variants=quick("1", "2", "3")))
     list(run(select([], "quick", [f"{file}:Engine"]), 0, 1))
     assert len(set(processes)) == 1  # one worker a thread, kept from case to case
     assert not Path(f"/proc/{processes[0]}").exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,19 @@ from hypothesis import strategies as st
 from scipy.stats import binom
 
 from crosscheck.figure import Figure, Series
-from crosscheck.verdict import FALSE_ALARM, Judgement, Verdict, bounded, order, round_off, statistical, within, worst
+from crosscheck.verdict import (
+    FALSE_ALARM,
+    Judgement,
+    Verdict,
+    bounded,
+    controls,
+    findings,
+    order,
+    round_off,
+    statistical,
+    within,
+    worst,
+)
 
 finite = st.floats(-1e6, 1e6)
 
@@ -91,6 +104,10 @@ def test_bounded(options: dict[str, bool], measured: float, outcome: str) -> Non
 @given(measured=finite, limit=finite, at_least=st.booleans())
 def test_red_bounds_deviate_by_more_than_one(measured: float, limit: float, at_least: bool) -> None:
     judgement = bounded("x", measured, limit, "why", at_least=at_least)
+    assert judgement.criterion.sense == ("at_least" if at_least else "at_most")
+    # a change of the measured value by more than this would have turned the verdict
+    distance = abs(limit - measured)
+    assert judgement.sensitivity == (distance / abs(limit) if limit else distance)
     assert judgement.outcome == ("pass" if (measured >= limit if at_least else measured <= limit) else "fail")
     if judgement.outcome == "fail":
         assert judgement.deviation >= 1
@@ -106,13 +123,14 @@ def test_statistical_at_the_quantile() -> None:
     quantile = 3.890592
     assert judged(quantile - 1e-3).outcome == "pass"
     assert judged(-quantile - 1e-3).outcome == "fail"
-    assert judged(quantile + 1e-3).deviation == pytest.approx(quantile + 1e-3)
+    assert judged(quantile + 1e-3).sigmas == pytest.approx(quantile + 1e-3)
+    assert judged(2 * quantile).deviation == pytest.approx(2, rel=1e-5)
 
 
 def test_both_error_bars_count() -> None:
     judgement = statistical("x", 10.0, 3.0, 5.0, 4.0, "why", samples=100)
-    assert judgement.deviation == 1
-    assert judgement.deviation_unit == "sigma"
+    assert judgement.sigmas == 1
+    assert judgement.deviation == pytest.approx(5 / judgement.criterion.tolerance)
     assert judgement.sensitivity == pytest.approx(judgement.criterion.tolerance / 5)
 
 
@@ -167,13 +185,61 @@ def test_an_exact_value_without_error_passes() -> None:
     assert statistical("x", 2.0, 0.0, 2.0, 0.0, "why", samples=100).outcome == "pass"
 
 
-# -- the worst of several ------------------------------------------------------------------------------
+# -- several ------------------------------------------------------------------------------------------
 
 
 def test_a_broken_number_is_the_worst() -> None:
     good, broken = (round_off("x", error, 1.0, "why") for error in (0.9, math.nan))
     for pair in ([good, broken], [broken, good]):
         assert worst(pair, "").outcome == "fail"
+
+
+def test_all_judgements_are_kept_in_their_order_and_the_worst_is_shown() -> None:
+    parts = [
+        round_off("a", 0.5, 1.0, "why"),
+        judged(3.0),  # 0.77 of its tolerance
+        bounded("c", 0.9, 1.0, "why"),
+        order("d", 2.0, 2.0, 0.25, "why"),
+    ]
+    for few in (parts, parts[::-1]):
+        found = worst(few, "a note")
+        assert [one.quantity for one in found.judgements] == [one.quantity for one in few]
+        assert found.shown.quantity == "c"
+        assert found.note == "a note"
+        assert found.outcome == "pass"
+
+
+def test_red_goes_before_undecided_before_green() -> None:
+    red, undecided, green = order("v", 1.7, 2, 0.25, ""), judged(100.0, samples=5), round_off("x", 0.99, 1.0, "why")
+    assert worst([green, undecided]).shown.outcome == "inconclusive"
+    assert worst([green, undecided, red]).shown.quantity == "v"
+
+
+def test_a_control_is_shown_only_if_it_is_not_green() -> None:
+    sharp, control = round_off("x", 0.01, 1.0, "why"), bounded("there is something", 1.1, 1.0, "w", at_least=True)
+    assert worst([replace(control, control=True), sharp]).shown.quantity == "x"
+    assert worst([controls(control), sharp]).shown.quantity == "x"
+    broken = bounded("there is something", 0.9, 1.0, "why", at_least=True, control=True)
+    assert worst([sharp, broken]).shown.quantity == "there is something"
+    assert worst([broken]).outcome == "fail"
+
+
+def test_findings_are_flattened_with_their_notes_and_figures() -> None:
+    figure = Figure("t", "x", "y")
+    one = round_off("a", 0.1, 1.0, "why", note="of a", figures=(figure,))
+    inner = worst([one, round_off("b", 0.2, 1.0, "why")], "of both")
+    found = worst([inner, round_off("c", 0.3, 1.0, "why", note="of c")], "of all")
+    assert [judgement.quantity for judgement in found.judgements] == ["a", "b", "c"]
+    assert [judgement.note for judgement in found.judgements] == ["of a", "", "of c"]
+    assert found.note == "of both; of all"
+    assert found.figures == (figure,)
+
+
+def test_one_judgement_gives_its_note_and_figures_to_the_verdict() -> None:
+    figure = Figure("t", "x", "y")
+    found = findings(round_off("a", 0.1, 1.0, "why", note="a note", figures=(figure,)))
+    assert (found.note, found.figures) == ("a note", (figure,))
+    assert found.judgements[0].note == ""
 
 
 # -- the record ----------------------------------------------------------------------------------------
@@ -183,17 +249,18 @@ def test_a_broken_number_is_the_worst() -> None:
 def test_record_is_strict_json(value: Any) -> None:
     curve = Series("a", [1.0, value], np.array([2.0, math.nan]))
     judgement = round_off("x", value, 1.0, "why", uncertainty=value, figures=(Figure("t", "x", "y", series=(curve,)),))
-    record = Verdict("a/b", "refimpl", judgement.outcome, judgement, "", {"seconds": value}).as_record()
+    found = findings(judgement)
+    record = Verdict("a/b", "c", "refimpl", judgement.outcome, found, "", {"seconds": value}).as_record()
     again = json.loads(json.dumps(record, allow_nan=False))
-    assert again["measured"] == (float(value) if math.isfinite(value) else None)
+    assert again["judgements"][again["worst"]]["measured"] == (float(value) if math.isfinite(value) else None)
     assert again["figures"][0]["series"][0]["y"] == [2.0, None]
 
 
-def test_a_verdict_without_judgement_has_all_keys() -> None:
-    judgement = round_off("x", 0.0, 1.0, "why")
-    with_one = Verdict("a/b", "refimpl", "pass", judgement, "").as_record()
-    without = Verdict("a/b", "refimpl", "error", None, "it broke").as_record()
-    assert with_one.keys() == without.keys()
-    assert without["measured"] is None
+def test_a_verdict_without_findings_has_all_keys() -> None:
+    found = findings(round_off("x", 0.0, 1.0, "why"))
+    with_some = Verdict("a/b", "c", "refimpl", "pass", found, "").as_record()
+    without = Verdict("a/b", "c", "refimpl", "error", None, "it broke").as_record()
+    assert with_some.keys() == without.keys()
+    assert (without["judgements"], without["worst"]) == ([], None)
     assert without["outcome"] == "error"
-    assert with_one["outcome"] == "pass"
+    assert with_some["outcome"] == "pass"

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from crosscheck.engines.protocol import gas_tally_shapes
+from crosscheck.engines.protocol import shapes
 from crosscheck.engines.refimpl.engine import EVOLVERS, RefimplEngine
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import Unsupported, UsageError
@@ -66,10 +67,9 @@ def test_tallies_of_particles(refimpl: Worker) -> None:
     scene = full()
     run = refimpl.run(scene, PLANES)
     np.testing.assert_array_equal(run["time"], [0, 10, 20])
-    shapes = {"populations": (3, 4, 3, 6), "force_impulse": (3, 12), "sites": (12, 40)}
-    assert {name: array.shape for name, array in run.items()} == shapes == gas_tally_shapes(scene, 3)
-    assert run["final_positions"].shape == run["final_velocities"].shape == (0, 2)
-    assert (run.stopped, run.diverged, run["positions"]) == ("", False, None)
+    expected = {"time": (3,), "populations": (3, 4, 3, 6), "force_impulse": (3, 12), "sites": (12, 40)}
+    assert {name: array.shape for name, array in run.items()} == expected == shapes(scene, 3)
+    assert (run.stopped, run.diverged) == ("", False)
     assert (run.cost.steps, run.cost.evaluations, run.cost.events) == (20, 0, 0)
     assert run.cost.compile > 0
     assert run.cost.wall > 0
@@ -89,16 +89,16 @@ def test_populations_are_those_of_the_sites(refimpl: Worker, method: Method) -> 
 def test_one_block_without_fields_and_nothing_unasked(refimpl: Worker) -> None:
     whole = gas(output={"fields": None, "observables": ("populations",)})
     run = refimpl.run(whole, NUMPY)
-    assert run.keys() == {"populations"}
-    blocks = refimpl.run(gas(), NUMPY).tallies["populations"]
+    assert run.keys() == {"time", "populations"}
+    blocks = refimpl.run(gas(), NUMPY)["populations"]
     np.testing.assert_array_equal(run["populations"][:, 0, 0], blocks.sum(axis=(1, 2)))
-    assert refimpl.run(gas(output={"interval": None, "observables": ()}), NUMPY).tallies == {}
+    assert refimpl.run(gas(output={"interval": None, "observables": ()}), NUMPY).keys() == {"time"}
 
 
 def test_all_gases_are_one(refimpl: Worker) -> None:
     runs = [refimpl.run(full(), method) for method in GASES]
     for run in runs[1:]:
-        for name, values in runs[0].tallies.items():
+        for name, values in runs[0].items():
             np.testing.assert_array_equal(run[name], values)
 
 
@@ -116,7 +116,7 @@ def test_the_gas_is_that_of_the_scene(refimpl: Worker) -> None:
 
 
 def test_the_seed_is_the_scene_s_or_that_of_the_start(refimpl: Worker) -> None:
-    own, same, other = (refimpl.run(gas(seed=seed), NUMPY).tallies["sites"] for seed in (None, 1, 2))
+    own, same, other = (refimpl.run(gas(seed=seed), NUMPY)["sites"] for seed in (None, 1, 2))
     np.testing.assert_array_equal(own, same)
     assert (own != other).any()
 
@@ -140,7 +140,7 @@ def test_the_largest_force_is_one_too(refimpl: Worker, force: float) -> None:
     scene = gas(lattice_gas={"force": force, "obstacles": WALLS}, output={"observables": ("sites", "force_impulse")})
     runs = [refimpl.run(scene, method) for method in GASES]
     for run in runs:
-        np.testing.assert_array_equal(run["sites"], runs[0].tallies["sites"])
+        np.testing.assert_array_equal(run["sites"], runs[0]["sites"])
         assert np.sign(run["force_impulse"][-1].sum()) == force
 
 
@@ -182,7 +182,7 @@ def test_boltzmann_gives_means(refimpl: Worker) -> None:
     np.testing.assert_allclose(h[0], 12 * 40 * entropy_density(f), rtol=1e-12)
     assert (np.diff(h) < 0).all()
     many = gas(rows=200, columns=500, initial=start, duration=1, output=output | {"observables": ("populations",)})
-    found = refimpl.run(many, NUMPY).tallies["populations"][1, 0, 0] / 1e5
+    found = refimpl.run(many, NUMPY)["populations"][1, 0, 0] / 1e5
     # 5.5 standard errors: one of 3e7 means is further off by chance
     assert (np.abs(found - means[1]) < 5.5 * (means[1] * (1 - means[1]) / 1e5) ** 0.5).all()
 
@@ -196,7 +196,7 @@ def test_boltzmann_has_the_walls_and_the_force_of_the_scene(refimpl: Worker) -> 
         "lattice_gas": {"obstacles": (Obstacle(rows=(0, 0), rule="diffusive_y"), Obstacle(rows=(6, 6))), "force": -0.5},
         "output": {"interval": 1, "observables": ("populations",), "fields": (1, 12)},
     }
-    found, means = (refimpl.run(gas(**changes), method).tallies["populations"][1, 0] for method in (NUMPY, BOLTZMANN))
+    found, means = (refimpl.run(gas(**changes), method)["populations"][1, 0] for method in (NUMPY, BOLTZMANN))
     # among 72 numbers, 5.5 standard errors are passed by chance once in 4e5 seeds
     assert (np.abs(found - means) <= 5.5 * (means * (1 - means / 8000)) ** 0.5 + 1e-9).all()
     assert np.ptp(means, axis=0).min() > 100
@@ -205,7 +205,7 @@ def test_boltzmann_has_the_walls_and_the_force_of_the_scene(refimpl: Worker) -> 
 def test_boltzmann_starts_from_the_profiles_of_the_scene(refimpl: Worker) -> None:
     wave = Wave(of="density", amplitude=0.1, mode=(1.0, 0.0))
     scene = gas(initial={"density": 0.3, "waves": (wave,)}, output={"observables": ("populations",)})
-    populations = refimpl.run(scene, BOLTZMANN).tallies["populations"]
+    populations = refimpl.run(scene, BOLTZMANN)["populations"]
     assert populations.shape == (3, 4, 3, 6)
     f = scene.initial_occupations().reshape(3, 4, 4, 10, 6)
     np.testing.assert_allclose(populations[0], f.sum(axis=(1, 3)).transpose(1, 0, 2), rtol=1e-12)
@@ -215,7 +215,7 @@ def test_boltzmann_starts_from_the_profiles_of_the_scene(refimpl: Worker) -> Non
 def test_boltzmann_starts_from_empty_walls_as_particles_do(refimpl: Worker) -> None:
     scene = gas(lattice_gas={"obstacles": (Obstacle(rows=(0, 3)),)}, output={"observables": ("populations",)})
     for method in (NUMPY, BOLTZMANN):
-        populations = refimpl.run(scene, method).tallies["populations"]
+        populations = refimpl.run(scene, method)["populations"]
         assert not populations[0, :, 0].any()
         assert populations[0, :, 1:].all()
 
@@ -226,17 +226,17 @@ def test_boltzmann_starts_from_empty_walls_as_particles_do(refimpl: Worker) -> N
 def test_what_the_engine_runs() -> None:
     engine = RefimplEngine()
     for method in GASES:
-        assert engine.supports(full(), method) is None
-        reason = engine.supports(gas(output={"observables": ("h_function",)}), method)
-        assert reason == f"'{method.scheme}' moves particles, which have no h_function"
+        assert refused(engine, full(), method) is None
+        reason = refused(engine, gas(output={"observables": ("h_function",)}), method)
+        assert reason == "it declares no h_function for [lattice_gas]"
     means = gas(output={"observables": ("populations", "h_function")})
-    assert engine.supports(means, BOLTZMANN) is None
-    reason = engine.supports(full(), BOLTZMANN)
-    assert reason == "'lattice_boltzmann' moves mean occupations, which have no force_impulse and no sites"
+    assert refused(engine, means, BOLTZMANN) is None
+    reason = refused(engine, full(), BOLTZMANN)
+    assert reason == "it declares no force_impulse, no sites for [lattice_gas]"
     reversed_ = gas("hpp", lattice_gas={"reversals": (5,)}, output={"observables": ()})
-    assert engine.supports(reversed_, NUMPY) is None
-    reason = engine.supports(reversed_, BOLTZMANN)
-    assert reason == "'lattice_boltzmann' is irreversible: remove lattice_gas.reversals"
+    assert refused(engine, reversed_, NUMPY) is None
+    reason = refused(engine, reversed_, BOLTZMANN)
+    assert reason == "it declares no lattice_gas.reversals for [lattice_gas]"
 
 
 def test_schemes_of_gases_and_of_particles_are_kept_apart(refimpl: Worker) -> None:
@@ -250,15 +250,14 @@ def test_schemes_of_gases_and_of_particles_are_kept_apart(refimpl: Worker) -> No
     stepping = Method(scheme="verlet", dt=1.0)
     for scene, methods in ((spring, (*GASES, BOLTZMANN)), (gas(), (stepping, Method(scheme="event_driven")))):
         for method in methods:
-            reason = RefimplEngine().supports(scene, method)
+            reason = refused(RefimplEngine(), scene, method)
             assert reason is not None
-            assert reason.startswith("lattice gases, and only they, are moved by 'lattice_planes', ")
-            assert reason.endswith(f"; found '{method.scheme}'")
-    with pytest.raises(Unsupported, match="refimpl: lattice gases, and only they"):
+            assert reason.startswith(f"its scheme '{method.scheme}' is for [")
+            assert reason.endswith(f", not for [{scene.interaction}]")
+    with pytest.raises(Unsupported, match=r"refimpl: its scheme .* not for \[lattice_gas\]"):
         refimpl.run(gas(), stepping)
     for name, claims in RefimplEngine.schemes.items():
-        assert claims.lattice == (name in EVOLVERS)
-        assert not (claims.lattice and (claims.events or claims.stepping))
+        assert (claims.kind == "lattice") == (name in EVOLVERS)
 
 
 @pytest.mark.parametrize("scheme", EVOLVERS)

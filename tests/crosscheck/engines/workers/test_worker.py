@@ -20,11 +20,16 @@ START = Callable[[str], Worker]
 ENGINE = """
 import ctypes, os, sys, time
 import numpy as np
+from crosscheck.engines.capabilities import capability
 from crosscheck.engines.protocol import Claims, Cost, Run, sample_times
 
 class Engine:
     name = "trouble"
-    schemes = {"good": Claims((1, 1))}
+    schemes = {
+        name: Claims((1, 1))
+        for name in "good abort segfault sleep spin raise exit close short odd refuse".split() + ["no disk"]
+    }
+    capabilities = (capability("spring", "stepping", words="dimension=1", observables="velocities"),)
 
     def version(self):
         return "1"
@@ -55,7 +60,11 @@ class Engine:
         state = scene.initial_state()
         positions = state.positions[:-1] if method.scheme == "short" else state.positions
         cost = Cost(steps=object()) if method.scheme == "odd" else Cost(steps=1)
-        return Run(sample_times(scene, method), positions, state.velocities, cost=cost)
+        run = Run(cost=cost, time=sample_times(scene, method), final_positions=positions)
+        run["final_velocities"] = state.velocities
+        if scene.output.trajectory:
+            run["positions"], run["velocities"] = np.array([[[1.0]], [[2.0]]]), np.array([[[3.0]], [[4.0]]])
+        return run
 """
 
 
@@ -92,7 +101,7 @@ def test_failure_is_an_error_and_the_next_run_works(start: START, scheme: str, m
     with pytest.raises(EngineError, match=message) as error:
         worker.run(SCENE, STEP.model_copy(update={"scheme": scheme}))
     assert f"about to {scheme}" in str(error.value)
-    np.testing.assert_array_equal(worker.run(SCENE, STEP).final_positions, [[1.0]])
+    np.testing.assert_array_equal(worker.run(SCENE, STEP)["final_positions"], [[1.0]])
 
 
 @pytest.mark.parametrize("scheme", ["sleep", "spin"])
@@ -168,11 +177,18 @@ DISKS = Scene(
 )
 FROM_EVENT_TO_EVENT = """
 import numpy as np
-from crosscheck.engines.protocol import Claims, Cost, Run, tally_shapes
+from crosscheck.engines.capabilities import capability
+from crosscheck.engines.protocol import Claims, Cost, Run, shapes
+
+WORDS = "dimension=2 hard_spheres.friction box.boundaries=hard box.boundaries=open output.collisions"
+MEASURED = "positions velocities angular_velocities kinetic_energy collisions wall_impulse"
 
 class Engine:
     name = "events"
-    schemes = {"event_driven": Claims(None, events=True), "steps": Claims((1, 1))}
+    schemes = {"edmd": Claims(kind="event_driven"), "steps": Claims((1, 1))}
+    capabilities = tuple(
+        capability("hard_spheres", kind, words=WORDS, observables=MEASURED) for kind in ("event_driven", "stepping")
+    )
 
     def version(self):
         return "1"
@@ -182,19 +198,18 @@ class Engine:
 
     def run(self, scene, method):
         state = scene.initial_state()
-        run = Run(np.array([0.0, 0.5, np.nan]), state.positions, state.velocities, cost=Cost(events=7))
-        run["positions"], run["velocities"] = np.ones((2, 3, 2, 2))
+        run = Run({name: np.full(shape, 2.0) for name, shape in shapes(scene, 3).items()}, cost=Cost(events=7))
+        run["time"] = np.array([0.0, 0.5, np.nan])
         run["angular_velocities"], run["final_angular_velocities"] = np.ones((3, 2, 1)), np.ones((2, 1))
-        run["kinetic_energy"] = np.ones(3)
-        run = {name: np.full(shape, 2.0) for name, shape in tally_shapes(scene, 3).items()}
         run.stopped = "inelastic collapse of particles 0 and 1"
         return run
 """
 
 
 def test_arrays_of_hard_spheres_arrive(start: START) -> None:
-    run = start(FROM_EVENT_TO_EVENT).run(DISKS, Method(scheme="event_driven"))
-    assert set(run) == {"collisions", "wall_impulse"}
+    run = start(FROM_EVENT_TO_EVENT).run(DISKS, Method(scheme="edmd"))
+    states = {f"{when}{what}" for when in ("", "final_") for what in ("positions", "velocities", "angular_velocities")}
+    assert set(run) == {"time", *states, "kinetic_energy", "collisions", "wall_impulse"}
     np.testing.assert_array_equal(run["wall_impulse"], np.full((3, 4, 2), 2.0))
     np.testing.assert_array_equal(run["time"], [0.0, 0.5, np.nan])
     assert run["angular_velocities"].shape == (3, 2, 1)
@@ -207,14 +222,18 @@ def test_arrays_of_hard_spheres_arrive(start: START) -> None:
     [
         (
             "np.full(shape, 2.0)",
-            "np.full(shape[:1], 2.0)",
+            "np.full(shape if name != 'wall_impulse' else shape[:1], 2.0)",
             r"run\['wall_impulse'\] must have shape \(3, 4, 2\)",
         ),
-        ("{name: np.full", "{name * 2: np.full", r"run\['collisions'\] must have shape \(3,\), found nothing"),
+        (
+            "{name: np.full",
+            "{name.replace('ll', 'l'): np.full",
+            r"run\['collisions'\] must have shape \(3,\), found nothing",
+        ),
         (
             "np.ones((3, 2, 1)), np",
-            "None, np",
-            r"run\['angular_velocities'\] must have shape \(3, 2, 1\), found nothing",
+            "np.ones((3, 2, 3)), np",
+            r"run\['angular_velocities'\] must have shape \(3, 2, 1\), found shape \(3, 2, 3\)",
         ),
         ("0.5, np.nan]", "0.5]", r"run\['time'\] has 2 samples, the scene asks for 3"),
     ],
@@ -222,15 +241,15 @@ def test_arrays_of_hard_spheres_arrive(start: START) -> None:
 def test_malformed_arrays_of_hard_spheres(start: START, old: str, new: str, message: str) -> None:
     assert FROM_EVENT_TO_EVENT.count(old) == 1
     with pytest.raises(EngineError, match=message):
-        start(FROM_EVENT_TO_EVENT.replace(old, new)).run(DISKS, Method(scheme="event_driven"))
+        start(FROM_EVENT_TO_EVENT.replace(old, new)).run(DISKS, Method(scheme="edmd"))
 
 
 @pytest.mark.parametrize(
     ("method", "message"),
     [
         (
-            Method(scheme="event_driven", dt=0.1),
-            r"method.dt = 0.1: scheme 'event_driven' goes from event to event: remove",
+            Method(scheme="edmd", dt=0.1),
+            r"method.dt = 0.1: scheme 'edmd' goes from event to event: remove",
         ),
         (Method(scheme="steps"), r"method.dt is missing: scheme 'steps' takes time steps: add dt, as in dt = 0.005"),
     ],
@@ -238,6 +257,23 @@ def test_malformed_arrays_of_hard_spheres(start: START, old: str, new: str, mess
 def test_a_step_for_those_that_take_one(start: START, method: Method, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         start(FROM_EVENT_TO_EVENT).run(DISKS, method)
+
+
+def test_what_is_not_declared_never_reaches_an_engine(start: START) -> None:
+    worker = start(FROM_EVENT_TO_EVENT)
+    with pytest.raises(Unsupported, match=r"it declares no hard_spheres.restitution for \[hard_spheres\]"):
+        worker.run(DISKS.changed(hard_spheres=HardSpheres(restitution=0.5)), Method(scheme="edmd"))
+    assert worker.supports(SCENE, Method(scheme="steps", dt=0.1)) is not None
+
+
+def test_derived_observables_come_from_what_they_need(start: START) -> None:
+    """The engine measures velocities and has never heard of the momentum."""
+    scene = SCENE.changed(masses=2.0, output=Output(interval=0.1, observables=("momentum",)))
+    run = start(ENGINE).run(scene, STEP)
+    assert set(run) == {"time", "final_positions", "final_velocities", "momentum"}
+    np.testing.assert_array_equal(run["momentum"], [[6.0], [8.0]])
+    with pytest.raises(KeyError, match="the run holds no 'velocities': the scene did not ask for it"):
+        run["velocities"]
 
 
 def test_missing_engine(start: START) -> None:
@@ -271,6 +307,7 @@ def test_unknown_engine(engine: str, message: str) -> None:
     ("text", "message"),
     [
         ("class Engine: name = 'x'", "class Engine lacks 'schemes'"),
+        ("class Engine: name, schemes = 'x', {}", r"class Engine lacks 'capabilities' \(see docs/engines.md\)"),
         ("import no_such_package", "cannot be imported .ModuleNotFoundError"),
         ("class Other: pass", "has no class Engine"),
     ],
