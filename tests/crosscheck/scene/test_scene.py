@@ -251,7 +251,7 @@ def load(tmp_path: Path, table: dict[str, Any]) -> Scene:
         (SPRING, "durations", 1.0, "unknown key 'durations'; did you mean 'duration'?"),
         (SPRING, "spring.gama", 1.0, "unknown key 'spring.gama'; did you mean 'gamma'?"),
         (SPRING, "initial.velocity", [[1.0]], "unknown key 'initial.velocity'; did you mean 'velocities'?"),
-        (SPRING, "cutoff", 1.0, "unknown key 'cutoff'; it belongs in [wall] or [lennard_jones]"),
+        (SPRING, "cutoff", 1.0, "unknown key 'cutoff'; it belongs in [lennard_jones] or [box.wall]"),
         (SPRING, "output.acceleration", 1.0, "it belongs in the scene itself, above the first table"),
         (SPRING, "zzz", 1.0, "unknown key 'zzz'; remove it"),
         (SPRING, "duration", "long", "duration: Input should be a valid number (found 'long')"),
