@@ -62,7 +62,7 @@ class Friction(Part):
     static: NonNegative | None = None
     """[1] Coefficient of static friction mu_s; absent: no limit, every contact sticks."""
     sliding: NonNegative | None = None
-    """[1] Coefficient of sliding friction mu_k, at most mu_s; it is given together with `static`."""
+    """[1] Coefficient of sliding friction mu_k, at most mu_s, and given together with it; absent: no limit."""
 
     @model_validator(mode="after")
     def _coulomb(self) -> Self:
@@ -74,7 +74,7 @@ class Friction(Part):
 
 
 class GrainFriction(Friction):
-    """Friction between grains, by the rule of walls; with this table grains rotate."""
+    """Friction between grains; with this table they rotate."""
 
     inertia: Positive | None = None
     """[1] q in the moment of inertia I = q m R^2; absent: 2/5 in space (a ball), 1/2 in the plane (a disk)."""
@@ -216,7 +216,7 @@ class Box(Part):
     """One per axis: periodic; "wall", a 12-6 wall of a Lennard-Jones fluid; "hard", a wall of hard spheres; or open.
     Absent: periodic along all."""
     wall: Wall | None = None
-    """Potential of the boundaries "wall", and given exactly if there are any."""
+    """Potential of the boundaries "wall"; absent: there are none."""
     faces: dict[str, Face] | None = None
     """Walls of hard axes by the names of their faces, "x-", "x+", "y-" ...; absent: at rest, elastic and smooth."""
     cylinder: Cylinder | None = None
@@ -287,11 +287,11 @@ class Obstacle(Part):
     rows: tuple[Index, Index] | None = None
     """First and last row of a block, both included, counted from 0; absent, with columns: all rows."""
     centre: tuple[float, float] | None = None
-    """[link] Centre (x, y) of a disk; row r is at y = r times the distance of rows."""
+    """[link] Centre (x, y) of a disk; row r is at y = r times the distance of rows. Absent: no disk."""
     radius: Positive | None = None
-    """[link] Radius of the disk; sites on its rim belong to it."""
+    """[link] Radius of the disk; sites on its rim belong to it. Absent: no disk."""
     sites: tuple[tuple[Index, Index], ...] | None = None
-    """Single sites, each (column, row)."""
+    """Single sites, each (column, row); absent: a block or disk."""
     rule: WallRule = "bounce_back"
     """What happens to particles that arrive: sent back (no slip), reflected ("specular": smooth), or with the normal
     velocity reversed and the tangential one reversed with probability 1/2 ("diffusive"). The letter is the axis of the
@@ -327,7 +327,7 @@ class LatticeGas(Part):
     rows: Count
     """Number of rows; even on a triangular lattice."""
     obstacles: tuple[Obstacle, ...] = ()
-    """Wall sites; where obstacles overlap, the last one counts."""
+    """Wall sites; where obstacles overlap, the last one counts. Absent: none."""
     force: Annotated[float, Field(ge=-1, le=1)] | None = None
     """[1/step] Probability that a particle in channel -x of a site is turned to +x, if that channel is empty; negative:
     from +x to -x. Absent: no force."""
@@ -355,17 +355,18 @@ class Occupations(Part):
     """
 
     kind: Literal["occupations"]
-    """Says which start this is."""
+    """Says that the initial state is this one."""
     density: float | tuple[float, ...] | None = None
-    """[1] Mean occupation of a channel, d = rho/b, with rho particles per site and b channels; one, or one per row."""
+    """[1] Mean occupation of a channel, d = rho/b, with rho particles per site and b channels; one, or one per row.
+    Absent: `channels` are given."""
     velocity_x: float | tuple[float, ...] = 0.0
     """[link/step] Mean velocity along x; one, or one per row."""
     velocity_y: float | tuple[float, ...] = 0.0
     """[link/step] Mean velocity along y; one, or one per row."""
     channels: tuple[Annotated[float, Field(ge=0, le=1)], ...] | None = None
-    """[1] Mean occupation of each channel, the same at all sites, in place of density and velocities."""
+    """[1] Mean occupation of each channel, the same at all sites; absent: `density` is given."""
     waves: tuple[Wave, ...] = ()
-    """Waves added to density and velocities."""
+    """Waves added to density and velocities; absent: none."""
     cells: Count | None = None
     """Edge, in sites, of cells in which the number of particles is exactly round(d b cells^2), at random places; the
     x/L and y/L of waves are then 0 in the first cell and 1 in the last. Absent: every channel is drawn
@@ -388,8 +389,11 @@ class Occupations(Part):
 class Explicit(Part):
     """Positions and velocities of all particles, one row a particle."""
 
+    # in Python the kind may be left out, in a file it may not: it says which table of [initial] is meant
+    model_config = ConfigDict(json_schema_extra={"required": ["kind", "positions"]})
+
     kind: Literal["explicit"] = "explicit"
-    """Says which start this is."""
+    """Says that the initial state is this one."""
     positions: tuple[Vector, ...]
     """[length] One row of d coordinates per particle."""
     velocities: tuple[Vector, ...] | None = None
@@ -407,7 +411,7 @@ class Lattice(Part):
     """
 
     kind: Literal["lattice"]
-    """Says which start this is."""
+    """Says that the initial state is this one."""
     structure: Literal["fcc", "sc", "square", "triangular"]
     """Face-centred or simple cubic (3D), square or triangular (2D)."""
     number: Count
@@ -432,7 +436,7 @@ class Kepler(Part):
     """Two bodies at apocentre on the x axis, moving along y, with their centre of mass at rest at the origin."""
 
     kind: Literal["kepler"]
-    """Says which start this is."""
+    """Says that the initial state is this one."""
     semi_major_axis: Positive = 1.0
     """[length] Semi-major axis of the relative orbit."""
     eccentricity: Annotated[float, Field(ge=0, lt=1)]
@@ -447,7 +451,7 @@ class File(Part):
     """
 
     kind: Literal["file"]
-    """Says which start this is."""
+    """Says that the initial state is this one."""
     path: str
     """Path of the file, relative to the scene file."""
 
@@ -489,7 +493,7 @@ class Output(Part):
     """Of hard spheres, in place of `interval`: increasing numbers of pair collisions, right after which a sample is
     taken; the run ends at the last of them. Absent: samples at every `interval`."""
     observables: tuple[Observable, ...] = ()
-    """Names of what is measured."""
+    """Names of what is measured; absent: nothing."""
     trajectory: bool = False
     """true: positions and velocities of all particles at each sample."""
     forces: bool = False
@@ -596,21 +600,21 @@ class SceneEntries(Part):
     """Seed of the random numbers drawn during the run: of hard spheres, by thermal walls and random phases; of a
     lattice gas, by collisions, diffusive walls and the force. Absent: the seed of the initial state."""
     spring: Spring | None = None
-    """Interaction: harmonic oscillators."""
+    """Interaction: harmonic oscillators; absent: another one."""
     lennard_jones: LennardJones | None = None
-    """Interaction: a Lennard-Jones fluid."""
+    """Interaction: a Lennard-Jones fluid; absent: another one."""
     gravity: Gravity | None = None
-    """Interaction: Newton's gravity."""
+    """Interaction: Newton's gravity; absent: another one."""
     hard_spheres: HardSpheres | None = None
-    """Interaction: hard disks or spheres, granular or elastic."""
+    """Interaction: hard disks or spheres, granular or elastic; absent: another one."""
     lattice_gas: LatticeGas | None = None
-    """Interaction: a lattice gas."""
+    """Interaction: a lattice gas; absent: another one."""
     box: Box | None = None
     """The domain, of a Lennard-Jones fluid or hard spheres; absent: open space."""
     initial: Initial
-    """The initial state, one of five kinds."""
+    """The initial state; its `kind` says which of the tables below it is."""
     output: Output = Output()
-    """What is recorded; absent: the state at start and end."""
+    """What is recorded; absent: only the state at the end."""
     method: Method | None = None
     """How the scene is integrated; needed to run the scene from its file. Absent: checks bring methods of their own."""
 
