@@ -380,9 +380,9 @@ class Occupations(Part):
             raise ValueError("give exactly one of density and channels")
         moving = self.velocity_x != 0 or self.velocity_y != 0
         if self.channels is not None and (moving or self.waves or self.cells is not None):
-            raise ValueError("channels say it all: remove velocity_x, velocity_y, waves and cells")
+            raise ValueError("channels gives all mean occupations: remove velocity_x, velocity_y, waves and cells")
         if self.cells is not None and (moving or any(wave.of != "density" for wave in self.waves)):
-            raise ValueError("cells have a number of particles, no velocity: remove cells, or the velocities")
+            raise ValueError("cells fixes numbers of particles, not velocities: remove cells, or the velocities")
         return self
 
 
@@ -541,7 +541,7 @@ class Contact(Part):
         if (self.stiffness is None) == (self.duration is None):
             raise ValueError("give exactly one of stiffness and duration")
         if self.law == "hertz" and (self.duration is not None or self.resolution is not None):
-            raise ValueError('law = "hertz": grains touch longer the slower they are: give stiffness, and method.dt')
+            raise ValueError('law = "hertz": contacts last longer the slower the grains: give stiffness, and method.dt')
         return self
 
 

@@ -214,7 +214,7 @@ INTERVAL = ("output.interval", 1)
         (GAS, [("initial.seed", ...)], "'initial.seed' is missing: add it"),
         *(
             (GAS, [("initial.density", ...), ("initial.channels", [0.1] * 4), (f"initial.{key}", value)],
-             "initial: channels say it all: remove velocity_x, velocity_y, waves and cells")
+             "initial: channels gives all mean occupations: remove velocity_x, velocity_y, waves and cells")
             for key, value in (
                 ("velocity_x", 0.1), ("velocity_y", [0.1] * 10), ("cells", 5),
                 ("waves", [{"of": "density", "amplitude": 0.1, "mode": [1.0, 0.0]}]),
@@ -222,7 +222,7 @@ INTERVAL = ("output.interval", 1)
         ),
         *(
             (GAS, [("initial.cells", 5), (f"initial.{key}", value)],
-             "initial: cells have a number of particles, no velocity: remove cells, or the velocities")
+             "initial: cells fixes numbers of particles, not velocities: remove cells, or the velocities")
             for key, value in (
                 ("velocity_x", 0.1), ("velocity_y", [0.1] * 10),
                 ("waves", [{"of": "velocity_x", "amplitude": 0.1, "mode": [1.0, 0.0]}]),
