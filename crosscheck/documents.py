@@ -14,7 +14,7 @@ from typing import Annotated, Any
 import typer
 
 from crosscheck.scene import Scene
-from crosscheck.scene.parts import INTERACTIONS, LatticeGas, Part, SceneEntries
+from crosscheck.scene.parts import INTERACTIONS, Interaction, LatticeGas, Part, SceneEntries
 from crosscheck.scene.tables import ANY_INDEX, ANY_KEY, Table, tables
 from refimpl.lattice.models import MODELS
 
@@ -164,7 +164,7 @@ The same as a JSON Schema, for editors: [scene.schema.json](scene.schema.json)."
 def _text(part: type[Part]) -> str:
     """What a table is: the docstrings of its model and of the models that it extends, a line a paragraph."""
     models = [SceneEntries] if part is Scene else [model for model in part.__mro__ if issubclass(model, Part)]
-    texts = [inspect.cleandoc(model.__doc__ or "") for model in models if model is not Part]
+    texts = [inspect.cleandoc(model.__doc__ or "") for model in models if model not in (Part, Interaction)]
     return "\n\n".join(" ".join(paragraph.split()) for text in texts for paragraph in text.split("\n\n"))
 
 

@@ -36,6 +36,10 @@ class Part(BaseModel):
     )
 
 
+class Interaction(Part):
+    """A table that is an interaction, of which a scene has exactly one."""
+
+
 class Wall(Part):
     """12-6 walls on both faces of every axis whose boundary is "wall": 4 epsilon ((sigma/z)^12 - (sigma/z)^6).
 
@@ -89,7 +93,7 @@ class Well(Part):
     """[1] Outer edge of the well, in units of the contact distance."""
 
 
-class HardSpheres(Part):
+class HardSpheres(Interaction):
     """Hard disks (2D) or spheres (3D). Two touch at the mean of their diameters; between collisions they fly freely.
 
     The normal velocity after a collision is v'_n = -restitution v_n.
@@ -235,7 +239,7 @@ class Box(Part):
         return self
 
 
-class Spring(Part):
+class Spring(Interaction):
     """Damped harmonic oscillators about the origin, independent of each other: m a = -k r - gamma v."""
 
     k: Positive
@@ -244,7 +248,7 @@ class Spring(Part):
     """[mass/time] Friction coefficient gamma; absent: no damping."""
 
 
-class Gravity(Part):
+class Gravity(Interaction):
     """Newton's gravity between all pairs: phi(r) = -G m_i m_j/sqrt(r^2 + softening^2)."""
 
     G: Positive = 1.0
@@ -253,7 +257,7 @@ class Gravity(Part):
     """[length] Softening length; absent: none, phi(r) = -G m_i m_j/r."""
 
 
-class LennardJones(Part):
+class LennardJones(Interaction):
     """The 12-6 pair potential phi(r) = 4 epsilon ((sigma/r)^12 - (sigma/r)^6), cut at r = cutoff.
 
     Between species: sigma_ij = (sigma_i + sigma_j)/2 and epsilon_ij = sqrt(epsilon_i epsilon_j) (Lorentz and
@@ -313,7 +317,7 @@ class Obstacle(Part):
         return self
 
 
-class LatticeGas(Part):
+class LatticeGas(Interaction):
     """A lattice gas on rows x columns sites, periodic along both axes.
 
     The unit of length is the link, that of time the step, that of mass a particle. HPP: Hardy, Pomeau & de Pazzis, J.
@@ -570,10 +574,6 @@ class Method(Part):
         return self.dt
 
 
-#: The tables of interactions, of which a scene has exactly one.
-INTERACTIONS = ("spring", "lennard_jones", "gravity", "hard_spheres", "lattice_gas")
-
-
 class SceneEntries(Part):
     """A scene: dimension, particles, one interaction, box, initial state, duration and output.
 
@@ -660,3 +660,11 @@ class SceneEntries(Part):
         if self.hard_spheres is None or self.hard_spheres.friction is None:
             return 0
         return 1 if self.dimension == 2 else 3
+
+
+#: Names of the interactions, of which a scene has exactly one.
+INTERACTIONS: tuple[str, ...] = tuple(
+    name
+    for name, field in SceneEntries.model_fields.items()
+    if any(isinstance(kind, type) and issubclass(kind, Interaction) for kind in get_args(field.annotation))
+)

@@ -119,8 +119,10 @@ class Scene(SceneEntries):
     # -- what engines need -------------------------------------------------------------------------
 
     def lengths(self) -> Floats | None:
-        """Sides of the box, (d,), length; None without a box. UsageError if they do not follow from
-        packing_fraction."""
+        """Sides of the box, (d,), length; None without a box.
+
+        UsageError if they do not follow from packing_fraction, because all diameters are 0.
+        """
         if self.box is None:
             return None
         if self.box.lengths is not None:
