@@ -30,8 +30,8 @@ from crosscheck.scene.parts import (
     Wave,
     Well,
 )
-from crosscheck.scene.scene import Scene, State, whole_steps
-from crosscheck.scene.starts import explicit
+from crosscheck.scene.scene import Scene, whole_steps
+from crosscheck.scene.starts import State, explicit
 
 __all__ = [
     "AXES",

@@ -1,10 +1,8 @@
-"""What a scene may not be: entries that contradict each other, and initial states that are impossible."""
+"""Checks of hard spheres: of entries that contradict each other, and of initial states that are impossible."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,35 +20,17 @@ from crosscheck.scene.parts import (
     HardSpheres,
     Kepler,
     Lattice,
+    SceneEntries,
 )
+from crosscheck.scene.starts import State, wall_strokes
 
-if TYPE_CHECKING:
-    from crosscheck.scene.scene import Scene, State
-
-#: Particles that overlap by less, in diameters, touch: so much is left by a former run's clock, or a file's digits.
+#: Overlaps below this fraction of the diameter are accepted as contacts: the end of an event-driven run, and the digits
+#: of a file, leave rounding errors of this order.
 TOUCHING = 1e-9
 
 
-def check_rows(initial: Explicit, dimension: int) -> None:
-    if not initial.positions:
-        raise ValueError("initial.positions is empty: give at least one particle")
-    table = {
-        "positions": (initial.positions, dimension),
-        "velocities": (initial.velocities, dimension),
-        "angular_velocities": (initial.angular_velocities, 1 if dimension == 2 else 3),
-    }
-    for name, (rows, components) in table.items():
-        if rows is None:
-            continue
-        if len(rows) != len(initial.positions):
-            raise ValueError(f"initial.{name} has {len(rows)} rows for {len(initial.positions)} particles")
-        for i, row in enumerate(rows):
-            if len(row) != components:
-                raise ValueError(f"initial.{name}[{i}] has {len(row)} components in dimension {dimension}")
-
-
-def refuse_hard_spheres_entries(scene: Scene) -> None:
-    """ValueError where an entry that only hard spheres have is given without them."""
+def refuse_hard_spheres_entries(scene: SceneEntries) -> None:
+    """ValueError if an entry that only hard spheres have is given in a scene of another interaction."""
     box, output, initial = scene.box, scene.output, scene.initial
     entries = {
         "acceleration": scene.acceleration is not None,
@@ -69,8 +49,8 @@ def refuse_hard_spheres_entries(scene: Scene) -> None:
             raise ValueError(f"{entry} goes with [hard_spheres] only, for now: remove it")
 
 
-def check_hard_spheres(scene: Scene, spheres: HardSpheres) -> None:
-    """ValueError where entries of a scene of hard spheres disagree."""
+def check_hard_spheres(scene: SceneEntries, spheres: HardSpheres) -> None:
+    """ValueError if entries of a scene of hard spheres contradict each other. spheres: its table [hard_spheres]."""
     if scene.acceleration is not None:
         if len(scene.acceleration) != scene.dimension:
             raise ValueError(f"acceleration needs {scene.dimension} components, found {len(scene.acceleration)}")
@@ -95,7 +75,7 @@ def check_hard_spheres(scene: Scene, spheres: HardSpheres) -> None:
     _check_hard_output(scene)
 
 
-def _check_species(scene: Scene, spheres: HardSpheres) -> None:
+def _check_species(scene: SceneEntries, spheres: HardSpheres) -> None:
     species = set(scene.species or ())
     if isinstance(spheres.diameter, tuple):
         number = len(spheres.diameter)
@@ -110,7 +90,7 @@ def _check_species(scene: Scene, spheres: HardSpheres) -> None:
         raise ValueError("hard_spheres.fixed: all particles are fixed, nothing moves: remove a species")
 
 
-def _check_walls(scene: Scene, box: Box) -> None:
+def _check_walls(scene: SceneEntries, box: Box) -> None:
     if "wall" in scene.boundaries:
         raise ValueError('box.boundaries: a "wall" is for [lennard_jones]; that of hard spheres is called "hard"')
     names = [f"{axis}{side}" for axis in AXES[: scene.dimension] for side in "-+"]
@@ -129,12 +109,12 @@ def _check_walls(scene: Scene, box: Box) -> None:
         raise ValueError("seed is missing: walls with temperature or random_phase draw random numbers: add seed = 0")
 
 
-def _check_wall_friction(scene: Scene, where: str, friction: Friction | None) -> None:
+def _check_wall_friction(scene: SceneEntries, where: str, friction: Friction | None) -> None:
     if friction is not None and scene.spin_dimension == 0:
         raise ValueError(f"{where}.friction: smooth grains do not rub on walls: add [hard_spheres.friction]")
 
 
-def _check_cylinder(scene: Scene, cylinder: Cylinder) -> None:
+def _check_cylinder(scene: SceneEntries, cylinder: Cylinder) -> None:
     if scene.dimension == 2 and cylinder.axis is not None:
         raise ValueError(f"box.cylinder.axis = '{cylinder.axis}': in the plane it is a circle: remove axis")
     if scene.dimension == 3 and cylinder.axis is None:
@@ -148,7 +128,7 @@ def _check_cylinder(scene: Scene, cylinder: Cylinder) -> None:
     _check_wall_friction(scene, "box.cylinder", cylinder.friction)
 
 
-def _check_hard_output(scene: Scene) -> None:
+def _check_hard_output(scene: SceneEntries) -> None:
     output = scene.output
     if "virial" in output.observables:
         raise ValueError("output.observables: hard spheres have no 'virial': 'collisional_virial' is that of impulses")
@@ -166,8 +146,14 @@ def _check_hard_output(scene: Scene) -> None:
             raise ValueError(f"output.fields needs {scene.dimension} entries, found {len(output.fields)}")
 
 
-def check_hard_state(scene: Scene, spheres: HardSpheres, state: State, fixed: NDArray[np.bool_]) -> None:
-    """UsageError where the initial state of hard spheres is impossible."""
+def check_hard_state(
+    scene: SceneEntries, spheres: HardSpheres, state: State, fixed: NDArray[np.bool_], periods: Floats
+) -> None:
+    """UsageError if particles overlap, are beyond a wall, or are fixed but have a velocity, or if the box is too small.
+
+    spheres: the table [hard_spheres] of the scene. state: the initial state. fixed: (N,), particles that never move.
+    periods: sides of the box along periodic axes, 0 along the others, (d,), length.
+    """
     assert state.diameters is not None
     for name, vectors in (("velocities", state.velocities), ("angular_velocities", state.angular_velocities)):
         if vectors is not None and vectors[fixed].any():
@@ -176,14 +162,14 @@ def check_hard_state(scene: Scene, spheres: HardSpheres, state: State, fixed: ND
     rounding = TOUCHING * float(state.diameters.max() or np.abs(state.positions).max())
     if state.lengths is not None:
         contact = float(state.diameters.max()) * (spheres.well.range if spheres.well is not None else 1.0)
-        for axis, period in enumerate(scene.periods().tolist()):
+        for axis, period in enumerate(periods.tolist()):
             if 0 < period <= 2 * contact:
                 raise UsageError(
                     f"box: its length {period:.6g} along {AXES[axis]}, which is periodic, must exceed two contact "
                     f"ranges, {2 * contact:.6g}: take a larger box"
                 )
         _refuse_beyond_walls(scene, state, rounding)
-    overlap = find_overlap(state.positions, state.diameters, fixed, scene.periods(), rounding)
+    overlap = find_overlap(state.positions, state.diameters, fixed, periods, rounding)
     if overlap is not None:
         lattice = isinstance(scene.initial, Lattice)
         raise UsageError(
@@ -193,19 +179,14 @@ def check_hard_state(scene: Scene, spheres: HardSpheres, state: State, fixed: ND
         )
 
 
-def wall_strokes(scene: Scene) -> Floats:
-    """Amplitudes of the faces' oscillations, (d, 2)."""
-    strokes = [0.0 if face is None or face.oscillation is None else face.oscillation.amplitude for face in scene.faces]
-    return np.reshape(strokes, (-1, 2))
-
-
-def _refuse_beyond_walls(scene: Scene, state: State, rounding: float) -> None:
+def _refuse_beyond_walls(scene: SceneEntries, state: State, rounding: float) -> None:
     assert scene.box is not None
     assert state.lengths is not None
     assert state.diameters is not None
     radii = state.diameters / 2
-    room = state.lengths - wall_strokes(scene).sum(axis=1) - state.diameters.max()
-    for axis in np.flatnonzero((room < 0) & wall_strokes(scene).any(axis=1)).tolist():
+    strokes = wall_strokes(scene.faces)
+    room = state.lengths - strokes.sum(axis=1) - state.diameters.max()
+    for axis in np.flatnonzero((room < 0) & strokes.any(axis=1)).tolist():
         raise UsageError(
             f"box.faces: the walls that oscillate along {AXES[axis]} leave no room for the largest particle: "
             "take smaller amplitudes or a larger box"
@@ -238,16 +219,3 @@ def _refuse_beyond_walls(scene: Scene, state: State, rounding: float) -> None:
                 f"particle {i} is beyond the cylinder by {-gaps[i]:.3g}: its centre must be within "
                 f"{radius - radii[i]:.6g} of the axis; it is {distances[i]:.9g} away"
             )
-
-
-def refuse_coincidence(positions: Floats, lengths: Floats | None, periodic: Iterable[bool]) -> None:
-    wrapped = positions.copy()
-    if lengths is not None:
-        for axis, wraps in enumerate(periodic):
-            if wraps:
-                wrapped[:, axis] %= lengths[axis]
-    order = np.lexsort(wrapped.T)
-    same = np.flatnonzero((np.diff(wrapped[order], axis=0) == 0).all(axis=1))
-    if same.size:
-        i, j = sorted(order[same[0] : same[0] + 2])
-        raise UsageError(f"particles {i} and {j} are at the same place: move one of them")

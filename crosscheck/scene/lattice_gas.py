@@ -1,4 +1,4 @@
-"""Scenes of lattice gases: what they may not be, their walls, and how their sites are filled."""
+"""Lattice gases: checks of their entries, their wall sites, and the initial states of their sites."""
 
 from __future__ import annotations
 
@@ -9,15 +9,14 @@ from numpy.typing import NDArray
 
 from crosscheck.errors import UsageError
 from crosscheck.scene.observables import named
-from crosscheck.scene.parts import Floats, LatticeGas, Obstacle, Occupations
+from crosscheck.scene.parts import Floats, LatticeGas, Obstacle, Occupations, SceneEntries
 
 if TYPE_CHECKING:
-    from crosscheck.scene.scene import Scene
     from refimpl.lattice.models import Model
 
 
-def check_lattice_gas(scene: Scene) -> None:
-    """ValueError where entries of a lattice gas disagree, or are given without one."""
+def check_lattice_gas(scene: SceneEntries) -> None:
+    """ValueError if entries of a lattice gas contradict each other, or are given in a scene without one."""
     gas, output = scene.lattice_gas, scene.output
     if gas is None:
         if isinstance(scene.initial, Occupations):
@@ -48,7 +47,7 @@ def check_lattice_gas(scene: Scene) -> None:
     _check_lattice(scene, gas, scene.initial)
 
 
-def _check_lattice(scene: Scene, gas: LatticeGas, initial: Occupations) -> None:
+def _check_lattice(scene: SceneEntries, gas: LatticeGas, initial: Occupations) -> None:
     from refimpl.lattice.models import MODELS
 
     if gas.model not in MODELS:
@@ -82,7 +81,7 @@ def _check_lattice(scene: Scene, gas: LatticeGas, initial: Occupations) -> None:
     _check_reversals(scene, gas, model)
 
 
-def _check_reversals(scene: Scene, gas: LatticeGas, model: Model) -> None:
+def _check_reversals(scene: SceneEntries, gas: LatticeGas, model: Model) -> None:
     if gas.reversals is None:
         return
     if not gas.reversals:
@@ -94,16 +93,19 @@ def _check_reversals(scene: Scene, gas: LatticeGas, model: Model) -> None:
         raise ValueError("lattice_gas.reversals must increase and lie within the duration")
 
 
-def gas_model(scene: Scene) -> Model:
-    """The model of a scene's lattice gas."""
+def gas_model(scene: SceneEntries) -> Model:
+    """The collision model of the scene's lattice gas."""
     from refimpl.lattice.models import MODELS
 
     assert scene.lattice_gas is not None
     return MODELS[scene.lattice_gas.model]
 
 
-def wall_rules(scene: Scene) -> NDArray[np.uint8] | None:
-    """Rules of the wall sites, (rows, columns); None without obstacles. Where they overlap the last one counts."""
+def wall_rules(scene: SceneEntries) -> NDArray[np.uint8] | None:
+    """Rules of the wall sites, (rows, columns), the constants of `refimpl.lattice.gas`; 0: no wall.
+
+    None without obstacles; where they overlap, the last one counts. UsageError if one is not on the lattice.
+    """
     from refimpl.lattice import gas as rules
 
     gas = scene.lattice_gas
@@ -112,17 +114,18 @@ def wall_rules(scene: Scene) -> NDArray[np.uint8] | None:
         return None
     walls = np.zeros((gas.rows, gas.columns), dtype=np.uint8)
     for number, obstacle in enumerate(gas.obstacles):
-        where = _covered(scene, gas, obstacle, f"lattice_gas.obstacles[{number}]")
+        where = _covered(gas, gas_model(scene), obstacle, f"lattice_gas.obstacles[{number}]")
         walls[where] = getattr(rules, obstacle.rule.upper())
     return walls
 
 
-def _covered(scene: Scene, gas: LatticeGas, obstacle: Obstacle, name: str) -> NDArray[np.bool_]:
+def _covered(gas: LatticeGas, model: Model, obstacle: Obstacle, name: str) -> NDArray[np.bool_]:
+    """Which sites the obstacle covers, (rows, columns). name: of the obstacle, for messages."""
     from refimpl.lattice.gas import places
 
     where = np.zeros((gas.rows, gas.columns), dtype=bool)
     if obstacle.centre is not None and obstacle.radius is not None:
-        x, y = places(gas_model(scene), gas.rows, gas.columns)
+        x, y = places(model, gas.rows, gas.columns)
         where = (x - obstacle.centre[0]) ** 2 + (y - obstacle.centre[1]) ** 2 <= obstacle.radius**2
         if not where.any():
             raise UsageError(f"{name}: the disk covers no site: make it larger, or move it onto the lattice")
@@ -141,10 +144,8 @@ def _covered(scene: Scene, gas: LatticeGas, obstacle: Obstacle, name: str) -> ND
     return where
 
 
-def _profile(scene: Scene, name: str, x: Floats, y: Floats) -> Floats:
-    """A field of the initial state at relative places x, y, waves included."""
-    initial = scene.initial
-    assert isinstance(initial, Occupations)
+def _profile(initial: Occupations, name: str, x: Floats, y: Floats) -> Floats:
+    """Density or velocity component of the initial state, with its waves, at positions x/L_x, y/L_y."""
     base = np.asarray(getattr(initial, name))
     field = base[:, None] if base.ndim else base
     for wave in initial.waves:
@@ -153,13 +154,16 @@ def _profile(scene: Scene, name: str, x: Floats, y: Floats) -> Floats:
     return np.asarray(field, dtype=np.float64)
 
 
-def initial_occupations(scene: Scene) -> Floats:
-    """Mean occupations, (rows, columns, b), 0 at walls; UsageError where density and velocity are beyond the gas."""
+def initial_occupations(scene: SceneEntries) -> Floats:
+    """Mean occupations of the channels, (rows, columns, channels), 0 at walls.
+
+    UsageError if there are no occupations between 0 and 1 with the density and velocity of some site.
+    """
     walls, f = wall_rules(scene), _occupations(scene)
     return f if walls is None else np.where(walls[..., None] > 0, 0.0, f)
 
 
-def _occupations(scene: Scene) -> Floats:
+def _occupations(scene: SceneEntries) -> Floats:
     from refimpl.lattice.gas import places
     from refimpl.lattice.theory import fermi_dirac
 
@@ -172,19 +176,22 @@ def _occupations(scene: Scene) -> Floats:
     x, y = places(model, gas.rows, gas.columns)
     x, y = x / gas.columns, y / (gas.rows * model.velocities.row_height)
     if not any(wave.mode[0] for wave in initial.waves):
-        x, y = x[:, :1], y[:, :1]  # rows are uniform
+        x, y = x[:, :1], y[:, :1]  # all columns are equal
     velocity = np.stack(
-        np.broadcast_arrays(_profile(scene, "velocity_x", x, y), _profile(scene, "velocity_y", x, y)), axis=-1
+        np.broadcast_arrays(_profile(initial, "velocity_x", x, y), _profile(initial, "velocity_y", x, y)), axis=-1
     )
     try:
-        occupations = fermi_dirac(model.velocities, _profile(scene, "density", x, y), velocity)
+        occupations = fermi_dirac(model.velocities, _profile(initial, "density", x, y), velocity)
     except ValueError as error:
         raise UsageError(f"scene {scene.name}: initial: {error}: take a smaller amplitude or velocity") from None
     return np.broadcast_to(occupations, shape)
 
 
-def initial_sites(scene: Scene) -> NDArray[np.uint8]:
-    """States of the sites, (rows, columns); wall sites start empty, unless `cells` fill them too."""
+def initial_sites(scene: SceneEntries) -> NDArray[np.uint8]:
+    """States of the sites, (rows, columns): bit i says that channel i is occupied.
+
+    Wall sites start empty; with `cells` they are filled like the others. UsageError as from `initial_occupations`.
+    """
     from refimpl.lattice.gas import drawn_sites, filled_cells
 
     gas, initial, model = scene.lattice_gas, scene.initial, gas_model(scene)
@@ -194,7 +201,7 @@ def initial_sites(scene: Scene) -> NDArray[np.uint8]:
     if initial.cells is not None:
         down, across = gas.rows // initial.cells, gas.columns // initial.cells
         x, y = np.arange(across) / max(across - 1, 1), np.arange(down)[:, None] / max(down - 1, 1)
-        density = np.broadcast_to(_profile(scene, "density", x, y), (down, across))
+        density = np.broadcast_to(_profile(initial, "density", x, y), (down, across))
         if density.min() < 0 or density.max() > 1:
             raise UsageError(f"scene {scene.name}: initial: the density is not in [0, 1] everywhere: change the waves")
         return filled_cells(model, density, initial.cells, generator)

@@ -1,4 +1,5 @@
-"""Which hard particles overlap: a search in trees, by classes of size, in a time nearly proportional to N."""
+"""Search for overlapping hard particles in k-d trees, one for each class of sizes; its time is about proportional to
+N."""
 
 from __future__ import annotations
 
@@ -11,12 +12,12 @@ from scipy.spatial import cKDTree
 
 Floats = NDArray[Any]
 
-#: About so many particles are looked at before all of them are.
+#: About this many particles are searched first, before all of them.
 _FEW = 1000
 
 
 class Overlap(NamedTuple):
-    """Particles i < j, whose centres are `distance` apart, less than their `contact` distance."""
+    """Particles i < j whose centres are `distance` apart, less than their `contact` distance (both in length)."""
 
     i: int
     j: int
@@ -25,7 +26,7 @@ class Overlap(NamedTuple):
 
 
 class _Class(NamedTuple):
-    """Particles whose diameters are within a factor of two: the least, the largest; all of them fixed, or none."""
+    """Particles, all of them fixed or none, whose diameters (`least` to `largest`) are within a factor of two."""
 
     members: NDArray[np.int64]
     tree: Any
@@ -35,21 +36,26 @@ class _Class(NamedTuple):
 
 
 def wrapped(positions: Floats, periods: Floats) -> Floats:
-    """Positions (N, d) in [0, period), where a search in trees wants them, along the axes whose period is not 0."""
+    """The positions, (N, d), with periodic coordinates mapped into [0, period), as k-d trees require.
+
+    periods: (d,), length; 0 along axes that are not periodic, whose coordinates stay as they are.
+    """
     inside = positions.copy()
     wraps = periods > 0
     inside[:, wraps] %= periods[wraps]
-    inside[:, wraps] = np.where(inside[:, wraps] < periods[wraps], inside[:, wraps], 0.0)  # a remainder rounded up
+    # the remainder of a tiny negative number is rounded up to the period itself
+    inside[:, wraps] = np.where(inside[:, wraps] < periods[wraps], inside[:, wraps], 0.0)
     return inside
 
 
 def find_overlap(
     positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats, rounding: float
 ) -> Overlap | None:
-    """Two particles nearer than the mean of their diameters by more than `rounding`, or None.
+    """A pair of particles nearer than the mean of their diameters by more than `rounding`; None if there is none.
 
-    positions: (N, d); diameters, fixed: (N,); periods: (d,), 0 along axes that are not periodic. Pairs of fixed
-    particles, and of particles of diameter 0, may be anywhere. A periodic axis must exceed two contact distances.
+    positions: (N, d), length. diameters: (N,), length. fixed: (N,), particles that never move. periods: (d,), length, 0
+    along axes that are not periodic. rounding: length. Two fixed particles, and two of diameter 0, may overlap. The
+    period of an axis must exceed two contact distances.
     """
     inside = wrapped(positions, periods)
     classes = _classes(inside, diameters, fixed, periods)
@@ -67,7 +73,8 @@ def find_overlap(
 
 
 def _classes(positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats) -> list[_Class]:
-    # within a class, particles that do not overlap have few neighbours: a search by the largest contact is cheap
+    # sizes in a class are similar, so particles that do not overlap have few neighbours within the largest contact
+    # distance, and the search is cheap
     octaves = np.where(diameters > 0, np.frexp(diameters)[1], np.iinfo(np.int32).min)
     classes = []
     for octave in np.unique(octaves):
@@ -81,9 +88,13 @@ def _classes(positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], per
 
 
 def _near(positions: Floats, one: _Class, other: _Class, rounding: float) -> tuple[Any, Any, Any]:
-    """Candidates i, j and their distances: nearest neighbours, and if those allow it all pairs near enough."""
+    """Pairs i, j that may overlap, and their distances.
+
+    Nearest neighbours only, if those overlap already or if all contact distances are equal; else all pairs within the
+    largest contact distance.
+    """
     least, largest = 0.5 * (one.least + other.least), 0.5 * (one.largest + other.largest)
-    # a few first: where particles lie in heaps, even the nearest neighbours of all take long
+    # a few first: where many particles lie at the same place, finding the nearest neighbours of all takes long
     for members in (one.members[:: one.members.size // _FEW + 1], one.members):
         i, j, distances = _nearest(positions, members, other, largest, one is other)
         if distances.size and distances.min() < least - rounding:
@@ -99,7 +110,7 @@ def _nearest(positions: Floats, members: Any, other: _Class, reach: float, same:
     """Each member, its nearest neighbour of the other class and their distance, where that is less than `reach`."""
     distances, places = other.tree.query(positions[members], k=[1, 2] if same else [1], distance_upper_bound=reach)
     itself = 0
-    if same:  # the nearest is the member itself, or another one in the very same place
+    if same:  # the nearest is the member itself, or another one at the same place
         itself = (other.members[np.minimum(places[:, 0], other.members.size - 1)] == members).astype(int)
     rows = np.arange(members.size)
     distances, places = distances[rows, itself], places[rows, itself]

@@ -1,8 +1,12 @@
-"""The words of a scene: its tables and their entries, each with what it demands of itself."""
+"""The tables of a scene as pydantic models, one class a table, each with the checks of its own entries.
+
+Every word of the scene language is declared here once, with its unit and meaning in the string below it. From there
+they go into the JSON Schema, the reference page (`crosscheck.documents`) and the hints of error messages.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,35 +20,54 @@ Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
 Restitution = Annotated[float, Field(ge=0, le=1)]
 Index = Annotated[int, Field(ge=0)]
+Count = Annotated[int, Field(gt=0)]
 Vector: TypeAlias = tuple[float, ...]
 AXES = "xyz"
 
 
 class Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    """A table of a scene: frozen; unknown keys, NaN and infinities are refused.
+
+    The string below an entry says "[unit] what it is; absent: what holds without it". [1] is a number without a unit;
+    an entry that is no quantity (a name, a switch, a table) has no unit. Temperatures are energies: k_B = 1.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+
+
+class Interaction(Part):
+    """A table that is an interaction, of which a scene has exactly one."""
 
 
 class Wall(Part):
     """12-6 walls on both faces of every axis whose boundary is "wall": 4 epsilon ((sigma/z)^12 - (sigma/z)^6).
 
-    Cut, with the energy shifted to zero, at the distance `cutoff` from the face.
+    z is the distance from the face. The potential is cut, and its energy shifted to zero, at z = cutoff.
     """
 
     epsilon: Positive = 1.0
+    """[energy] Depth epsilon of the minimum."""
     sigma: Positive = 1.0
+    """[length] Distance sigma at which the uncut potential is zero."""
     cutoff: Positive
+    """[length] Distance from the face beyond which the wall exerts no force."""
 
 
 class Friction(Part):
-    """Tangential rule of a contact: sticking, v'_ct = alpha_t v_ct, unless the impulse exceeds Coulomb's limit.
+    """Tangential rule of a collision: sticking, v'_ct = alpha_t v_ct, unless the impulse exceeds Coulomb's limit.
 
-    tangential_restitution: alpha_t, +1 smooth, -1 perfectly rough (the opposite sign of the common beta). static,
-    sliding: mu_s >= mu_k, ratios of the tangential to the normal impulse; absent: no limit, every contact sticks.
+    v_ct and v'_ct are the tangential velocities of the two surfaces at the point of contact, before and after. A
+    tangential impulse above `static` times the normal one is replaced by `sliding` times the normal one.
     """
 
     tangential_restitution: Annotated[float, Field(ge=-1, le=1)]
+    """[1] alpha_t: 1 for smooth surfaces, -1 for perfectly rough ones (the opposite sign of the common beta)."""
     static: NonNegative | None = None
+    """[1] Coefficient of static friction mu_s; absent: no limit, every contact sticks."""
     sliding: NonNegative | None = None
+    """[1] Coefficient of sliding friction mu_k, at most mu_s, and given together with it; absent: no limit."""
 
     @model_validator(mode="after")
     def _coulomb(self) -> Self:
@@ -56,32 +79,40 @@ class Friction(Part):
 
 
 class GrainFriction(Friction):
-    """Friction between grains, which then rotate. inertia: q in I = q m R^2; absent: 2/5 (3D) or 1/2 (2D)."""
+    """Friction between grains; with this table they rotate."""
 
     inertia: Positive | None = None
+    """[1] q in the moment of inertia I = q m R^2; absent: 2/5 in space (a ball), 1/2 in the plane (a disk)."""
 
 
 class Well(Part):
-    """Square well (depth > 0) or shoulder (depth < 0) to `range` times the contact distance."""
+    """Square well around hard spheres: the potential is -depth from contact to `range` times the contact distance."""
 
     depth: float
+    """[energy] Positive: an attractive well; negative: a repulsive shoulder."""
     range: Annotated[float, Field(gt=1)]
+    """[1] Outer edge of the well, in units of the contact distance."""
 
 
-class HardSpheres(Part):
-    """Hard disks or spheres, which touch at the mean of their diameters; between collisions they fly freely.
+class HardSpheres(Interaction):
+    """Hard disks (2D) or spheres (3D). Two touch at the mean of their diameters; between collisions they fly freely.
 
-    diameter: one, or one per species; particles of diameter 0 never hit each other. restitution: normal, of pairs.
-    fixed: species that never move. contact_duration: t_c of the TC model (Luding & McNamara, Granular Matter 1, 113
-    (1998)): a particle whose last collision is more recent collides elastically.
+    The normal velocity after a collision is v'_n = -restitution v_n.
     """
 
     diameter: NonNegative | tuple[NonNegative, ...] = 1.0
+    """[length] One for all, or one per species; particles of diameter 0 never hit each other."""
     restitution: Restitution = 1.0
+    """[1] Coefficient of normal restitution between particles; 1 is elastic."""
     fixed: tuple[Index, ...] | None = None
+    """Species whose particles never move; absent: all move."""
     contact_duration: Positive | None = None
+    """[time] t_c of the TC model (Luding & McNamara, Granular Matter 1, 113 (1998)): a particle that collided less than
+    t_c ago collides elastically; absent: every collision has the restitution."""
     friction: GrainFriction | None = None
+    """Friction between particles; absent: they are smooth and do not rotate."""
     well: Well | None = None
+    """Square well around each particle; absent: none."""
 
     @model_validator(mode="after")
     def _consistent(self) -> HardSpheres:
@@ -91,37 +122,51 @@ class HardSpheres(Part):
 
 
 class RandomPhase(Part):
-    """Limit of a vibrating wall of small amplitude and high frequency: velocity `speed` sin(phase), phase at random.
+    """A vibrating wall in the limit of small amplitude and high frequency.
 
-    law: of the phase, "uniform", or "flux": weighted by the speed at which particle and wall approach.
+    It stays in place; its velocity at a collision is speed sin(phase), with a phase drawn anew for each collision.
     """
 
     speed: Positive
+    """[length/time] Largest speed of the wall."""
     law: Literal["uniform", "flux"] = "flux"
+    """Distribution of the phase: uniform, or weighted by the speed at which particle and wall approach ("flux")."""
 
 
 class Oscillation(Part):
-    """Displacement into the box: amplitude cos(frequency t + phase), with the angular frequency."""
+    """A wall that oscillates: its displacement into the box is amplitude cos(frequency t + phase)."""
 
     amplitude: Positive
+    """[length] Largest displacement."""
     frequency: Positive
+    """[1/time] Angular frequency, 2 pi over the period."""
     phase: float = 0.0
+    """[rad] Phase at t = 0."""
 
 
 class Face(Part):
-    """Rule of one face of a "hard" axis. Without entries: at rest, elastic and smooth.
+    """Wall of hard spheres on one face of a "hard" axis. Without entries it is at rest, elastic and smooth.
 
-    open: no wall on this side. restitution: a in v'_n = (1 + a) V_p - a v_n. At most one of velocity (V_p always, into
-    the box: the sawtooth limit), random_phase, oscillation and temperature (a thermal wall: velocities are drawn anew).
+    v'_n = (1 + a) V_p - a v_n, with the restitution a and the velocity V_p of the wall along its normal. At most one of
+    velocity, random_phase, oscillation and temperature.
     """
 
     open: bool = False
+    """true: no wall on this side."""
     restitution: Restitution = 1.0
+    """[1] Coefficient of normal restitution a; 1 is elastic."""
     velocity: NonNegative | None = None
+    """[length/time] Velocity V_p into the box at every collision, of a wall that stays in place (the limit of a
+    vibration by a sawtooth of small amplitude); absent: at rest."""
     random_phase: RandomPhase | None = None
+    """Velocity of a vibration with random phase; absent: none."""
     oscillation: Oscillation | None = None
+    """Oscillation of finite amplitude; absent: none."""
     temperature: Positive | None = None
+    """[energy] A thermal wall: the velocity after a collision is drawn anew at this temperature; absent: not
+    thermal."""
     friction: Friction | None = None
+    """Friction of particles on this wall; absent: smooth."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Face:
@@ -137,13 +182,22 @@ class Face(Part):
 
 
 class Cylinder(Part):
-    """Circular wall (2D), or cylinder along `axis` (3D), about the middle of the box; turns at angular_velocity."""
+    """Circular wall (2D), or cylinder along `axis` (3D), about the middle of the box, with hard spheres inside.
+
+    The axes across it must be "open".
+    """
 
     radius: Positive
+    """[length] Radius of the wall."""
     axis: Literal["x", "y", "z"] | None = None
+    """Axis of the cylinder in space; absent: in the plane, where it is a circle."""
     angular_velocity: float = 0.0
+    """[1/time] Angular velocity; positive turns the first of the two axes across the cylinder towards the second (in
+    the plane: counter-clockwise). It needs friction."""
     restitution: Restitution = 1.0
+    """[1] Coefficient of normal restitution; 1 is elastic."""
     friction: Friction | None = None
+    """Friction of particles on the wall; absent: smooth."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Cylinder:
@@ -155,20 +209,23 @@ class Cylinder(Part):
 
 
 class Box(Part):
-    """The domain [0, L) along each axis.
-
-    Give `lengths`; or, for a cube (square) that holds the particles, their `density` or `packing_fraction` (volume of
-    the hard spheres, or area of the disks, over that of the box). faces: rules of the faces "x-", "x+", "y-" ... of
-    "hard" axes.
-    """
+    """The domain [0, L) along each axis. Give exactly one of lengths, density and packing_fraction."""
 
     lengths: tuple[Positive, ...] | None = None
+    """[length] L along each axis; absent: a square or cube of the density or packing fraction."""
     density: Positive | None = None
+    """[1/length^d] Number density N/V in d dimensions; absent: follows from the lengths."""
     packing_fraction: Annotated[float, Field(gt=0, lt=1)] | None = None
+    """[1] Volume (2D: area) of the hard spheres over that of the box; absent: follows from the lengths."""
     boundaries: tuple[Literal["periodic", "wall", "open", "hard"], ...] | None = None
+    """One per axis: periodic; "wall", a 12-6 wall of a Lennard-Jones fluid; "hard", a wall of hard spheres; or open.
+    Absent: periodic along all."""
     wall: Wall | None = None
+    """Potential of the boundaries "wall"; absent: there are none."""
     faces: dict[str, Face] | None = None
+    """Walls of hard axes by the names of their faces, "x-", "x+", "y-" ...; absent: at rest, elastic and smooth."""
     cylinder: Cylinder | None = None
+    """Circular or cylindrical wall of hard spheres; absent: none."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Box:
@@ -183,34 +240,44 @@ class Box(Part):
         return self
 
 
-class Spring(Part):
-    """m a = -k r - gamma v about the origin; no gamma, no damping."""
+class Spring(Interaction):
+    """Damped harmonic oscillators about the origin, independent of each other: m a = -k r - gamma v."""
 
     k: Positive
+    """[mass/time^2] Spring constant k."""
     gamma: NonNegative | None = None
+    """[mass/time] Friction coefficient gamma; absent: no damping."""
 
 
-class Gravity(Part):
-    """Newton's gravity between all pairs; no softening unless given (a length)."""
+class Gravity(Interaction):
+    """Newton's gravity between all pairs: phi(r) = -G m_i m_j/sqrt(r^2 + softening^2)."""
 
     G: Positive = 1.0
+    """[length^3/(mass time^2)] Constant of gravity."""
     softening: Positive | None = None
+    """[length] Softening length; absent: none, phi(r) = -G m_i m_j/r."""
 
 
-class LennardJones(Part):
-    """phi(r) = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) to `cutoff`; `length` is sigma, or r_m = 2^(1/6) sigma.
+class LennardJones(Interaction):
+    """The 12-6 pair potential phi(r) = 4 epsilon ((sigma/r)^12 - (sigma/r)^6), cut at r = cutoff.
 
-    epsilon and length: one value, or one per species (mixed by Lorentz and Berthelot). truncation: "truncated" (plain),
-    "shifted" (energy zero at the cutoff) or "force_shifted" (energy and force zero there). tail_corrections: add the
-    long-range corrections, for g(r) = 1 beyond the cutoff, to energy and pressure.
+    Between species: sigma_ij = (sigma_i + sigma_j)/2 and epsilon_ij = sqrt(epsilon_i epsilon_j) (Lorentz and
+    Berthelot).
     """
 
     epsilon: Positive | tuple[Positive, ...] = 1.0
+    """[energy] Depth of the potential, one for all or one per species."""
     length: Positive | tuple[Positive, ...] = 1.0
+    """[length] sigma or r_m, as `length_form` says, one for all or one per species."""
     length_form: Literal["sigma", "r_m"] = "sigma"
+    """Which length is given: sigma, where phi = 0, or r_m = 2^(1/6) sigma, where phi is smallest."""
     cutoff: Positive
+    """[length] Distance beyond which pairs do not interact."""
     truncation: Literal["truncated", "shifted", "force_shifted"] = "truncated"
+    """Plain cut, energy shifted to zero at the cutoff, or energy and force shifted to zero there."""
     tail_corrections: bool = False
+    """true: add the long-range corrections, with g(r) = 1 beyond the cutoff, to potential energy and virial; for
+    truncation "truncated" in a periodic box."""
 
 
 #: Rules of a wall site of a lattice gas; x and y: of the wall's normal.
@@ -218,18 +285,22 @@ WallRule = Literal["bounce_back", "specular_x", "specular_y", "diffusive_x", "di
 
 
 class Obstacle(Part):
-    """Wall sites of a lattice gas: a block, a disk, or a list of sites.
-
-    columns, rows: first and last of a block, both; each defaults to all. centre, radius: in links, row r being at
-    height r times the distance of rows. sites: (column, row). rule: no slip, smooth, or diffusive.
-    """
+    """Wall sites of a lattice gas: a block (columns, rows or both), a disk (centre, radius), or a list of sites."""
 
     columns: tuple[Index, Index] | None = None
+    """First and last column of a block, both included, counted from 0; absent, with rows: all columns."""
     rows: tuple[Index, Index] | None = None
+    """First and last row of a block, both included, counted from 0; absent, with columns: all rows."""
     centre: tuple[float, float] | None = None
+    """[link] Centre (x, y) of a disk; row r is at y = r times the distance of rows. Absent: no disk."""
     radius: Positive | None = None
+    """[link] Radius of the disk; sites on its rim belong to it. Absent: no disk."""
     sites: tuple[tuple[Index, Index], ...] | None = None
+    """Single sites, each (column, row); absent: a block or disk."""
     rule: WallRule = "bounce_back"
+    """What happens to particles that arrive: sent back (no slip), reflected ("specular": smooth), or with the normal
+    velocity reversed and the tangential one reversed with probability 1/2 ("diffusive"). The letter is the axis of the
+    wall's normal."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -247,48 +318,66 @@ class Obstacle(Part):
         return self
 
 
-class LatticeGas(Part):
-    """A lattice gas of this model (see `refimpl.lattice.models`) on rows x columns sites, periodic along both axes.
+class LatticeGas(Interaction):
+    """A lattice gas on rows x columns sites, periodic along both axes.
 
-    Unit of length is the link, of time the step. force: probability in a step that a site's particle in the channel -x
-    goes over to +x, if that is empty; negative: the other way. reversals: steps after which all velocities are
-    reversed, half-way between two steps.
+    The unit of length is the link, that of time the step, that of mass a particle. HPP: Hardy, Pomeau & de Pazzis, J.
+    Math. Phys. 14, 1746 (1973); FHP: Frisch, Hasslacher & Pomeau, Phys. Rev. Lett. 56, 1505 (1986).
     """
 
     model: str
-    columns: Annotated[int, Field(gt=0)]
-    rows: Annotated[int, Field(gt=0)]
+    """Name of the collision model, one of `refimpl.lattice.models`."""
+    columns: Count
+    """Number of sites in a row."""
+    rows: Count
+    """Number of rows; even on a triangular lattice."""
     obstacles: tuple[Obstacle, ...] = ()
+    """Wall sites; where obstacles overlap, the last one counts. Absent: none."""
     force: Annotated[float, Field(ge=-1, le=1)] | None = None
-    reversals: tuple[Annotated[int, Field(gt=0)], ...] | None = None
+    """[1/step] Probability that a particle in channel -x of a site is turned to +x, if that channel is empty; negative:
+    from +x to -x. Absent: no force."""
+    reversals: tuple[Count, ...] | None = None
+    """[step] Steps after which all velocities are reversed, half-way between two steps; absent: never."""
 
 
 class Wave(Part):
     """amplitude cos(2 pi (mode_x x/L_x + mode_y y/L_y) + phase), added to the density or a velocity component."""
 
     of: Literal["density", "velocity_x", "velocity_y"]
+    """The field to which the wave is added."""
     amplitude: float
+    """[as the field] Amplitude of the wave."""
     mode: tuple[float, float]
+    """[1] Number of periods along x and along y."""
     phase: float = 0.0
+    """[rad] Phase at the origin."""
 
 
 class Occupations(Part):
     """A lattice gas in local equilibrium (Fermi-Dirac), each channel filled at random with its mean occupation.
 
-    density: mean occupation of a channel, d = rho/b; density and velocities: one number, or one per row. channels:
-    instead of them, the mean occupation of each channel. cells: instead of drawing channels one by one, blocks of cells
-    x cells sites get exactly round(d b cells^2) particles, placed at random; x/L and y/L of the waves then count cells,
-    0 for the first and 1 for the last.
+    Give either `density`, with velocities and waves, or the mean occupation of each of the `channels`.
     """
 
     kind: Literal["occupations"]
+    """Says that the initial state is this one."""
     density: float | tuple[float, ...] | None = None
+    """[1] Mean occupation of a channel, d = rho/b, with rho particles per site and b channels; one, or one per row.
+    Absent: `channels` are given."""
     velocity_x: float | tuple[float, ...] = 0.0
+    """[link/step] Mean velocity along x; one, or one per row."""
     velocity_y: float | tuple[float, ...] = 0.0
+    """[link/step] Mean velocity along y; one, or one per row."""
     channels: tuple[Annotated[float, Field(ge=0, le=1)], ...] | None = None
+    """[1] Mean occupation of each channel, the same at all sites; absent: `density` is given."""
     waves: tuple[Wave, ...] = ()
-    cells: Annotated[int, Field(gt=0)] | None = None
+    """Waves added to density and velocities; absent: none."""
+    cells: Count | None = None
+    """Edge, in sites, of cells in which the number of particles is exactly round(d b cells^2), at random places; the
+    x/L and y/L of waves are then 0 in the first cell and 1 in the last. Absent: every channel is drawn
+    independently."""
     seed: Index
+    """Seed of the random numbers of the start."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -296,37 +385,50 @@ class Occupations(Part):
             raise ValueError("give exactly one of density and channels")
         moving = self.velocity_x != 0 or self.velocity_y != 0
         if self.channels is not None and (moving or self.waves or self.cells is not None):
-            raise ValueError("channels say it all: remove velocity_x, velocity_y, waves and cells")
+            raise ValueError("channels gives all mean occupations: remove velocity_x, velocity_y, waves and cells")
         if self.cells is not None and (moving or any(wave.of != "density" for wave in self.waves)):
-            raise ValueError("cells have a number of particles, no velocity: remove cells, or the velocities")
+            raise ValueError("cells fixes numbers of particles, not velocities: remove cells, or the velocities")
         return self
 
 
 class Explicit(Part):
-    """Positions, velocities and angular velocities, one row a particle; both velocities default to rest.
+    """Positions and velocities of all particles, one row a particle."""
 
-    angular_velocities: rows of one number in the plane, three in space.
-    """
+    # in Python the kind may be left out, in a file it may not: it says which table of [initial] is meant
+    model_config = ConfigDict(json_schema_extra={"required": ["kind", "positions"]})
 
     kind: Literal["explicit"] = "explicit"
+    """Says that the initial state is this one."""
     positions: tuple[Vector, ...]
+    """[length] One row of d coordinates per particle."""
     velocities: tuple[Vector, ...] | None = None
+    """[length/time] One row of d components per particle; absent: at rest."""
     angular_velocities: tuple[Vector, ...] | None = None
+    """[1/time] One row per particle, of one number in the plane and three in space, where grains have friction; absent:
+    no rotation."""
 
 
 class Lattice(Part):
-    """`number` sites of a lattice in the box, inside of its hard walls; no rotation.
+    """Particles on the sites of a lattice that fills the box inside its hard walls, with random velocities, no
+    rotation.
 
-    temperature: Maxwell velocities, total momentum zero, temperature exact; with fixed particles, of those that move,
-    whose momentum is not removed. speed: instead, the same for all that move, directions at random.
+    Give exactly one of temperature and speed.
     """
 
     kind: Literal["lattice"]
+    """Says that the initial state is this one."""
     structure: Literal["fcc", "sc", "square", "triangular"]
-    number: Annotated[int, Field(gt=0)]
+    """Face-centred or simple cubic (3D), square or triangular (2D)."""
+    number: Count
+    """Number of particles; surplus sites are left empty, evenly spread."""
     temperature: NonNegative | None = None
+    """[energy] Maxwell velocities, scaled to exactly this temperature at total momentum zero; where some particles are
+    fixed, it is that of the others, and their momentum is not removed. Absent: `speed` is given."""
     speed: NonNegative | None = None
+    """[length/time] The same speed for all particles that move, in random directions; absent: `temperature` is
+    given."""
     seed: Index
+    """Seed of the random velocities."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Lattice:
@@ -336,21 +438,27 @@ class Lattice(Part):
 
 
 class Kepler(Part):
-    """Two bodies at apocentre on the x axis, centre of mass at rest at the origin."""
+    """Two bodies at apocentre on the x axis, moving along y, with their centre of mass at rest at the origin."""
 
     kind: Literal["kepler"]
+    """Says that the initial state is this one."""
     semi_major_axis: Positive = 1.0
+    """[length] Semi-major axis of the relative orbit."""
     eccentricity: Annotated[float, Field(ge=0, lt=1)]
+    """[1] Eccentricity of the orbit; 0 is a circle."""
 
 
 class File(Part):
-    """A configuration file: .npz with `positions` (N, d), or any format that ASE reads.
+    """A configuration file: .npz, or any format that ASE reads.
 
-    Optional in .npz: `velocities` (N, d), `angular_velocities` (N, 1 | 3).
+    An .npz holds `positions` (N, d); optional are `velocities` (N, d) and `angular_velocities` (N, 1 in the plane, 3 in
+    space).
     """
 
     kind: Literal["file"]
+    """Says that the initial state is this one."""
     path: str
+    """Path of the file, relative to the scene file."""
 
 
 Initial: TypeAlias = Annotated[Explicit | Lattice | Kepler | File | Occupations, Field(discriminator="kind")]
@@ -361,19 +469,25 @@ else:
 
 
 class Output(Part):
-    """What is recorded; nothing is taken that is not named here.
+    """What is recorded. Nothing is recorded that is not named here.
 
-    Samples at the start and at every `interval` of time; or, of hard spheres, right after the pair collisions counted
-    in `collisions`, at the last of which the run ends. fields: a grid of cells over the box, on which the hydrodynamic
-    fields of hard spheres are measured over the whole run; of lattice gases, blocks along x and y, for `populations`.
+    Samples are taken at the start and at every `interval`, or at the counts of `collisions`.
     """
 
     interval: Positive | None = None
+    """[time] Time between samples; absent: no samples, or those of `collisions`."""
     collisions: tuple[Annotated[int, Field(gt=0)], ...] | None = None
+    """Of hard spheres, in place of `interval`: increasing numbers of pair collisions, right after which a sample is
+    taken; the run ends at the last of them. Absent: samples at every `interval`."""
     observables: tuple[Observable, ...] = ()
+    """Names of what is measured; absent: nothing."""
     trajectory: bool = False
-    forces: bool = False  # on every particle, at the end
+    """true: positions and velocities of all particles at each sample."""
+    forces: bool = False
+    """true: the force on every particle at the end of the run."""
     fields: tuple[Annotated[int, Field(gt=0)], ...] | None = None
+    """Number of cells along each axis. Of hard spheres, the hydrodynamic fields are averaged in them over the whole
+    run; of a lattice gas, they are the blocks of the observable "populations". Absent: no fields; one block."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Output:
@@ -389,39 +503,45 @@ class Output(Part):
 
 
 class Contact(Part):
-    """What a method with time steps makes of hard spheres: spheres that overlap, and push each other apart.
+    """Contact law of soft spheres, by which a method with time steps approaches hard ones.
 
-    law: of the overlap delta, F = k delta ("hooke") or k sqrt(R_eff delta) delta ("hertz"), with a dashpot that gives
-    the scene's restitution. stiffness: k; or, of "hooke", duration: t_c, for which two grains of the smallest mass
-    touch, t_c^2 = (pi^2 + ln^2 alpha) m/(2 k). friction: a tangential spring that remembers its stretch ("history") or
-    a tangential dashpot ("dashpot"), either up to Coulomb's limit. resolution: dt/t_c, in place of `dt`, which is then
-    the largest step up to it that divides the time between samples.
+    Spheres that overlap by delta repel each other with F = k delta ("hooke") or k sqrt(R_eff delta) delta ("hertz"),
+    where 1/R_eff = 1/R_i + 1/R_j, and a dashpot that gives the restitution of the scene. Give exactly one of stiffness
+    and duration.
     """
 
     law: Literal["hooke", "hertz"] = "hooke"
+    """Elastic force as a function of the overlap."""
     stiffness: Positive | None = None
+    """[mass/time^2; hertz: mass/(length time^2)] The constant k of the law; absent: follows from `duration`."""
     duration: Positive | None = None
+    """[time] Of "hooke": the time t_c for which two particles of the smallest mass m touch,
+    t_c^2 = (pi^2 + ln^2 alpha) m/(2 k), with the restitution alpha. Absent: follows from `stiffness`."""
     friction: Literal["history", "dashpot"] = "history"
+    """Tangential force up to Coulomb's limit: a spring that remembers its stretch ("history") or a dashpot."""
     resolution: Positive | None = None
+    """[1] Of "hooke": dt/t_c, in place of `method.dt`, which is then the largest step up to this one that divides the
+    time between samples. Absent: `method.dt` is given."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if (self.stiffness is None) == (self.duration is None):
             raise ValueError("give exactly one of stiffness and duration")
         if self.law == "hertz" and (self.duration is not None or self.resolution is not None):
-            raise ValueError('law = "hertz": grains touch longer the slower they are: give stiffness, and method.dt')
+            raise ValueError('law = "hertz": contacts last longer the slower the grains: give stiffness, and method.dt')
         return self
 
 
 class Method(Part):
-    """HOW it is integrated: the scheme's name and its time step, which event-driven schemes have not.
-
-    contact: how hard spheres touch, of schemes that let them overlap.
-    """
+    """How the scene is integrated: the scheme and its time step."""
 
     scheme: str
+    """Name of the scheme, one of those of the engine that runs the scene."""
     dt: Positive | None = None
+    """[time] Time step; it must divide `duration` and `output.interval`. Absent: the scheme is event-driven or a
+    lattice gas, or `contact.resolution` is given."""
     contact: Contact | None = None
+    """Contact law of hard spheres, for schemes that let them overlap; absent: they never overlap."""
 
     @model_validator(mode="after")
     def _one_step(self) -> Self:
@@ -431,7 +551,103 @@ class Method(Part):
 
     @property
     def step(self) -> float:
-        """dt; UsageError without one."""
+        """dt, in units of time; UsageError without one."""
         if self.dt is None:
             raise UsageError(f"method.dt is missing: scheme '{self.scheme}' takes time steps: add dt, as in dt = 0.005")
         return self.dt
+
+
+class SceneEntries(Part):
+    """A scene: dimension, particles, one interaction, box, initial state, duration and output.
+
+    All quantities are in one consistent system of units, which the scene chooses: reduced units, or SI. Give exactly
+    one interaction.
+    """
+
+    # The checks of hard spheres and lattice gases compare entries of different tables. They take this class, so that
+    # `Scene`, which calls them, is imported by nothing that it imports.
+
+    name: str
+    """Name of the scene, for messages and files."""
+    dimension: Literal[1, 2, 3]
+    """Dimension d of space."""
+    duration: NonNegative
+    """[time] Simulated time."""
+    masses: Positive | tuple[NonNegative, ...] = 1.0
+    """[mass] One for all, or one per particle. With gravity a mass may be 0: a test particle."""
+    species: tuple[Index, ...] | None = None
+    """Species of each particle, counted from 0; absent: all are of one."""
+    acceleration: Vector | None = None
+    """[length/time^2] Uniform field that acts on hard spheres, d components; absent: none."""
+    seed: Index | None = None
+    """Seed of the random numbers drawn during the run: of hard spheres, by thermal walls and random phases; of a
+    lattice gas, by collisions, diffusive walls and the force. Absent: the seed of the initial state."""
+    spring: Spring | None = None
+    """Interaction: harmonic oscillators; absent: another one."""
+    lennard_jones: LennardJones | None = None
+    """Interaction: a Lennard-Jones fluid; absent: another one."""
+    gravity: Gravity | None = None
+    """Interaction: Newton's gravity; absent: another one."""
+    hard_spheres: HardSpheres | None = None
+    """Interaction: hard disks or spheres, granular or elastic; absent: another one."""
+    lattice_gas: LatticeGas | None = None
+    """Interaction: a lattice gas; absent: another one."""
+    box: Box | None = None
+    """The domain, of a Lennard-Jones fluid or hard spheres; absent: open space."""
+    initial: Initial
+    """The initial state; its `kind` says which of the tables below it is."""
+    output: Output = Output()
+    """What is recorded; absent: only the state at the end."""
+    method: Method | None = None
+    """How the scene is integrated; needed to run the scene from its file. Absent: checks bring methods of their own."""
+
+    @property
+    def number(self) -> int:
+        """Number of particles; 0 for a lattice gas, whose particles are not told apart."""
+        if isinstance(self.initial, Occupations):
+            return 0
+        if isinstance(self.initial, Explicit):
+            return len(self.initial.positions)
+        if isinstance(self.initial, Lattice):
+            return self.initial.number
+        return 2
+
+    @property
+    def boundaries(self) -> tuple[str, ...]:
+        """Kind of boundary along each axis, d names; without a box "open", in a box that does not say "periodic"."""
+        if self.box is None:
+            return ("open",) * self.dimension
+        return self.box.boundaries or ("periodic",) * self.dimension
+
+    @property
+    def faces(self) -> tuple[Face | None, ...]:
+        """The plane walls of hard spheres, 2d entries x-, x+, y-, y+ ...; None where there is no wall."""
+        rules = {} if self.box is None or self.box.faces is None else self.box.faces
+        faces = [
+            rules.get(f"{axis}{side}", Face()) if boundary == "hard" else None
+            for axis, boundary in zip(AXES, self.boundaries, strict=False)
+            for side in "-+"
+        ]
+        return tuple(None if face is None or face.open else face for face in faces)
+
+    @property
+    def across(self) -> tuple[int, ...]:
+        """Indices of the two axes across the cylinder; empty without a cylinder."""
+        if self.box is None or self.box.cylinder is None:
+            return ()
+        return tuple(axis for axis in range(self.dimension) if AXES[axis] != self.box.cylinder.axis)
+
+    @property
+    def spin_dimension(self) -> int:
+        """Components of an angular velocity: 0 if nothing rotates, 1 in the plane, 3 in space."""
+        if self.hard_spheres is None or self.hard_spheres.friction is None:
+            return 0
+        return 1 if self.dimension == 2 else 3
+
+
+#: Names of the interactions, of which a scene has exactly one.
+INTERACTIONS: tuple[str, ...] = tuple(
+    name
+    for name, field in SceneEntries.model_fields.items()
+    if any(isinstance(kind, type) and issubclass(kind, Interaction) for kind in get_args(field.annotation))
+)

@@ -1,7 +1,4 @@
-"""WHAT is simulated: frozen, validated scenes <-> TOML. An absent entry means that the thing is not there.
-
-Quantities are in the scene's own consistent units: reduced for Lennard-Jones, SI where a documented case is in SI.
-"""
+"""Scenes: what is simulated, read from and written to TOML, with the initial state and the arrays engines need."""
 
 from __future__ import annotations
 
@@ -9,7 +6,7 @@ import json
 import math
 import tomllib
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
 import numpy as np
 import tomli_w
@@ -17,94 +14,34 @@ from numpy.typing import NDArray
 from pydantic import ValidationError, model_validator
 
 from crosscheck.errors import UsageError
-from crosscheck.scene.hard_spheres import (
-    check_hard_spheres,
-    check_hard_state,
-    check_rows,
-    refuse_coincidence,
-    refuse_hard_spheres_entries,
-)
+from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, refuse_hard_spheres_entries
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
 from crosscheck.scene.observables import FRICTION, Matter, Observable, asked_for
-from crosscheck.scene.parts import (
-    AXES,
-    Box,
-    Explicit,
-    Face,
-    File,
-    Floats,
-    Gravity,
-    HardSpheres,
-    Index,
-    Initial,
-    Kepler,
-    Lattice,
-    LatticeGas,
-    LennardJones,
-    Method,
-    NonNegative,
-    Occupations,
-    Output,
-    Part,
-    Positive,
-    Spring,
-    Vector,
-)
+from crosscheck.scene.parts import INTERACTIONS, Explicit, File, Floats, Kepler, Lattice, Occupations, SceneEntries
 from crosscheck.scene.starts import (
+    State,
     apocentre,
+    check_rows,
     lattice_sites,
     lattice_sites_inside,
     random_velocities,
     read_configuration,
+    refuse_coincidence,
 )
 
-#: Tables of the scene language, of which a scene has exactly one.
-INTERACTIONS = ("spring", "lennard_jones", "gravity", "hard_spheres", "lattice_gas")
+#: What the observables of a scene can be of.
 SMOOTH: tuple[Matter, ...] = ("any", "particles", "smooth_particles")
 HARD: tuple[Matter, ...] = ("any", "particles", "hard_spheres")
 GAS: tuple[Matter, ...] = ("any", "lattice_gas")
 
 
-class State(NamedTuple):
-    """The initial state of N particles in d dimensions.
+class Scene(SceneEntries):
+    """A scene, frozen and validated: what is simulated, independent of the time step.
 
-    positions, velocities (N, d); masses (N,); species (N,) or None; lengths (d,) or None; of hard spheres: diameters
-    (N,), and, if they rotate, angular_velocities (N, 1) in the plane, (N, 3) in space.
+    Its entries are those of `SceneEntries`. ValueError if they contradict each other; `load`, `from_json` and `changed`
+    turn it into a UsageError that names the entry.
     """
-
-    positions: Floats
-    velocities: Floats
-    masses: Floats
-    species: NDArray[np.int64] | None
-    lengths: Floats | None
-    diameters: Floats | None = None
-    angular_velocities: Floats | None = None
-
-
-class Scene(Part):
-    """A scene: dimension, particles, one interaction, box, initial state, duration and output.
-
-    acceleration: a uniform field, of hard spheres. seed: of what is drawn during the run (by walls: thermal velocities,
-    random phases; by the collisions, diffusive walls and force of a lattice gas); absent: that of the initial state.
-    """
-
-    name: str
-    dimension: Literal[1, 2, 3]
-    duration: NonNegative
-    masses: Positive | tuple[NonNegative, ...] = 1.0
-    species: tuple[Index, ...] | None = None
-    acceleration: Vector | None = None
-    seed: Index | None = None
-    spring: Spring | None = None
-    lennard_jones: LennardJones | None = None
-    gravity: Gravity | None = None
-    hard_spheres: HardSpheres | None = None
-    lattice_gas: LatticeGas | None = None
-    box: Box | None = None
-    initial: Initial
-    output: Output = Output()
-    method: Method | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
@@ -146,7 +83,10 @@ class Scene(Part):
 
     @classmethod
     def from_json(cls, text: str, where: str = "scene") -> Scene:
-        """The scene in a JSON text; UsageError names the path of every wrong key."""
+        """The scene in a JSON text. UsageError with a line for each mistake: the path of the key, and how to mend it.
+
+        where: what the messages start with, such as the path of a file.
+        """
         try:
             return cls.model_validate_json(text)
         except ValidationError as error:
@@ -154,7 +94,10 @@ class Scene(Part):
 
     @classmethod
     def load(cls, path: str | Path) -> Scene:
-        """The scene in a TOML file, with `initial.kind = "file"` read into it."""
+        """The scene in a TOML file; a start from a file is read and becomes explicit.
+
+        UsageError if a file cannot be read, or with a line for each mistake in it.
+        """
         path = Path(path)
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -168,6 +111,7 @@ class Scene(Part):
         return scene
 
     def to_json(self) -> str:
+        """JSON that `from_json` reads back to an equal scene."""
         return self.model_dump_json(exclude_none=True)
 
     def to_toml(self) -> str:
@@ -175,7 +119,7 @@ class Scene(Part):
         return tomli_w.dumps(json.loads(self.to_json()))
 
     def changed(self, **changes: Any) -> Scene:
-        """A validated copy with some entries replaced."""
+        """A validated copy with some entries replaced, by name. UsageError if it is not a valid scene."""
         return Scene.from_json(self.model_copy(update=changes).to_json())
 
     # -- what engines need -------------------------------------------------------------------------
@@ -202,25 +146,11 @@ class Scene(Part):
         )
         return {name: row for name, row in asked.items() if row.requires != FRICTION or self.spin_dimension}
 
-    @property
-    def number(self) -> int:
-        """Number of particles; 0 of a lattice gas, whose particles are not told apart."""
-        if isinstance(self.initial, Occupations):
-            return 0
-        if isinstance(self.initial, Explicit):
-            return len(self.initial.positions)
-        if isinstance(self.initial, Lattice):
-            return self.initial.number
-        return 2
-
-    @property
-    def boundaries(self) -> tuple[str, ...]:
-        """Of each axis; periodic where a box does not say."""
-        if self.box is None:
-            return ("open",) * self.dimension
-        return self.box.boundaries or ("periodic",) * self.dimension
-
     def lengths(self) -> Floats | None:
+        """Sides of the box, (d,), length; None without a box.
+
+        UsageError if they do not follow from packing_fraction, because all diameters are 0.
+        """
         if self.box is None:
             return None
         if self.box.lengths is not None:
@@ -239,15 +169,15 @@ class Scene(Part):
         return np.full(self.dimension, volume ** (1.0 / self.dimension))
 
     def periods(self) -> Floats:
-        """Box side along each periodic axis, 0 along the others, (d,)."""
+        """Sides of the box along periodic axes, 0 along the others, (d,), length."""
         lengths = self.lengths()
         return np.where(np.array(self.boundaries) == "periodic", 0.0 if lengths is None else lengths, 0.0)
 
     def samples(self) -> Floats:
-        """Times at which an event-driven run is recorded.
+        """Times (samples,) at which an event-driven run is recorded.
 
-        The start and every `output.interval` up to the duration; without one, start and end. With `output.collisions`,
-        the start and a NaN per count: the run tells when it was.
+        0 and every `output.interval` up to the duration; without an interval, 0 and the duration. With
+        `output.collisions`, 0 and a NaN per count, since their times are a result of the run.
         """
         output = self.output
         if output.collisions is not None:
@@ -259,7 +189,7 @@ class Scene(Part):
         return np.minimum(np.arange(whole + 1) * output.interval, self.duration)
 
     def diameters(self) -> Floats | None:
-        """Of the hard spheres, (N,); None in other scenes."""
+        """Diameters of the hard spheres, (N,), length; None in other scenes. UsageError if species do not fit."""
         if self.hard_spheres is None:
             return None
         of_species = np.atleast_1d(self.hard_spheres.diameter)
@@ -268,57 +198,35 @@ class Scene(Part):
         return of_species[self._species()]
 
     def fixed(self) -> NDArray[np.bool_]:
-        """Which particles never move, (N,)."""
+        """Which particles never move, (N,). UsageError if species do not fit."""
         species = None if self.hard_spheres is None else self.hard_spheres.fixed
         if species is None:
             return np.zeros(self.number, dtype=bool)
         return np.isin(self._species(), species)
 
     def _species(self) -> NDArray[np.int64]:
-        """Of each particle; UsageError if their number is not that of the particles."""
+        """Species of each particle, (N,); UsageError if there are more or fewer."""
         species = np.array(self.species or (), dtype=np.int64)
         if species.size != self.number:
             raise UsageError(f"species: {species.size} values for {self.number} particles; give one per particle")
         return species
 
-    @property
-    def faces(self) -> tuple[Face | None, ...]:
-        """The plane walls of hard spheres, one entry a face, x-, x+, y-, y+ ...; None: no wall on this side."""
-        rules = {} if self.box is None or self.box.faces is None else self.box.faces
-        faces = [
-            rules.get(f"{axis}{side}", Face()) if boundary == "hard" else None
-            for axis, boundary in zip(AXES, self.boundaries, strict=False)
-            for side in "-+"
-        ]
-        return tuple(None if face is None or face.open else face for face in faces)
-
-    @property
-    def across(self) -> tuple[int, ...]:
-        """The two axes across the cylinder; none without one."""
-        if self.box is None or self.box.cylinder is None:
-            return ()
-        return tuple(axis for axis in range(self.dimension) if AXES[axis] != self.box.cylinder.axis)
-
-    @property
-    def spin_dimension(self) -> int:
-        """Components of an angular velocity: 0 if nothing rotates, 1 in the plane, 3 in space."""
-        if self.hard_spheres is None or self.hard_spheres.friction is None:
-            return 0
-        return 1 if self.dimension == 2 else 3
-
     def volume(self) -> float:
-        """Volume (area) of the box; UsageError without one."""
+        """Volume of the box, length^d; UsageError without a box."""
         lengths = self.lengths()
         if lengths is None:
             raise UsageError(f"scene {self.name}: there is no [box], hence no volume")
         return float(np.prod(lengths))
 
     def steps(self, dt: float) -> int:
-        """duration/dt, a whole number."""
+        """duration/dt; UsageError if it is not a whole number. dt: time step, time."""
         return whole_steps(self.duration, dt, "duration")
 
     def every(self, dt: float) -> int | None:
-        """Steps between samples, a whole number; None if nothing is recorded."""
+        """Steps between samples; None if nothing is recorded. dt: time step, time.
+
+        UsageError if output.interval is not a whole number of steps, or is shorter than one.
+        """
         if self.output.interval is None or not (self.output.observables or self.output.trajectory):
             return None
         every = whole_steps(self.output.interval, dt, "output.interval")
@@ -327,21 +235,31 @@ class Scene(Part):
         return every
 
     def initial_sites(self) -> NDArray[np.uint8]:
-        """States of the sites of a lattice gas, (rows, columns): bit i says that channel i is occupied."""
+        """States of the sites of a lattice gas, (rows, columns): bit i says that channel i is occupied.
+
+        UsageError if density or velocity are out of range, or an obstacle is not on the lattice.
+        """
         return initial_sites(self)
 
     def initial_occupations(self) -> Floats:
-        """Mean occupations of the channels of a lattice gas, (rows, columns, b)."""
+        """Mean occupations of the channels of a lattice gas, (rows, columns, channels).
+
+        UsageError if density or velocity are out of range, or an obstacle is not on the lattice.
+        """
         return initial_occupations(self)
 
     def wall_rules(self) -> NDArray[np.uint8] | None:
-        """Rules of a lattice gas's wall sites, (rows, columns), as in `refimpl.lattice.gas`; None: no walls."""
+        """Rules of the wall sites of a lattice gas, (rows, columns), the constants of `refimpl.lattice.gas`.
+
+        0 where there is no wall; None without obstacles. UsageError if an obstacle is not on the lattice.
+        """
         return wall_rules(self)
 
     def initial_state(self) -> State:
-        """The initial state of particles, the same for every engine.
+        """The initial state of the particles, the same for every engine.
 
-        UsageError if counts disagree, if particles coincide or, of hard spheres, overlap or are not inside their walls.
+        UsageError if numbers of masses or species do not fit, if two particles are at the same place (springs: they may
+        be), or if hard spheres overlap or are not inside their walls.
         """
         lengths = self.lengths()
         n = self.number
@@ -372,14 +290,17 @@ class Scene(Part):
             raise UsageError("initial.kind = 'file' is read by Scene.load: load the scene from its file")
         state = State(positions, velocities, masses, species, lengths, diameters, spins)
         if self.hard_spheres is not None:
-            check_hard_state(self, self.hard_spheres, state, fixed)
+            check_hard_state(self, self.hard_spheres, state, fixed, self.periods())
         elif self.spring is None:
             refuse_coincidence(positions, lengths, [b == "periodic" for b in self.boundaries])
         return state
 
 
 def whole_steps(span: float, dt: float, name: str) -> int:
-    """span/dt as an integer; UsageError with the nearest dt that divides it, if none does to 1e-9."""
+    """span/dt, which must be a whole number to within 1e-9 of it. span, dt: time. name: of the span, for the message.
+
+    UsageError otherwise, with the nearest dt that divides the span.
+    """
     ratio = span / dt
     if ratio > 2**53:
         raise UsageError(f"{name} = {span:g} is too many steps of method.dt = {dt:g} to be counted: take a larger dt")

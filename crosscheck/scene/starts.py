@@ -1,20 +1,18 @@
-"""Where particles start: lattices, orbits, random velocities, configuration files."""
+"""Initial states: lattices, Kepler orbits, random velocities, configuration files."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.errors import UsageError
-from crosscheck.scene.hard_spheres import wall_strokes
-from crosscheck.scene.parts import AXES, Explicit, Floats, Gravity, Kepler, Lattice, Vector
+from crosscheck.scene.parts import AXES, Explicit, Face, Floats, Gravity, Kepler, Lattice, SceneEntries, Vector
 
-if TYPE_CHECKING:
-    from crosscheck.scene.scene import Scene
-
+#: Sites of a unit cell, in units of its edges.
 _BASES = {
     "fcc": [[0, 0, 0], [0, 0.5, 0.5], [0.5, 0, 0.5], [0.5, 0.5, 0]],
     "sc": [[0, 0, 0]],
@@ -23,14 +21,37 @@ _BASES = {
 }
 
 
+class State(NamedTuple):
+    """The initial state of N particles in d dimensions, in the units of the scene."""
+
+    positions: Floats
+    """(N, d), length."""
+    velocities: Floats
+    """(N, d), length/time."""
+    masses: Floats
+    """(N,), mass."""
+    species: NDArray[np.int64] | None
+    """(N,), from 0; None: all are of one species."""
+    lengths: Floats | None
+    """(d,), sides of the box, length; None: open space."""
+    diameters: Floats | None = None
+    """(N,), length; of hard spheres only."""
+    angular_velocities: Floats | None = None
+    """(N, 1) in the plane, (N, 3) in space, 1/time; of hard spheres with friction only."""
+
+
 def lattice_sites(initial: Lattice, lengths: Floats) -> Floats:
+    """Positions (N, d) on the sites of a lattice that fills a box of these sides (d,), all in units of length.
+
+    UsageError if the structure is not one of d dimensions.
+    """
     basis, counts = _unit_cells(initial, lengths, initial.number)
     sites = ((_cells(counts)[:, None, :] + basis + 0.25) / counts * lengths).reshape(-1, lengths.size)
     return _spread(sites, initial.number)
 
 
 def _unit_cells(initial: Lattice, lengths: Floats, number: int) -> tuple[Floats, NDArray[np.int64]]:
-    """The basis, and how many unit cells along each axis have at least `number` sites."""
+    """The basis (sites, d) of the structure, and the least numbers of unit cells (d,) with at least `number` sites."""
     basis = np.array(_BASES[initial.structure])
     if basis.shape[1] != lengths.size:
         raise UsageError(
@@ -49,20 +70,26 @@ def _unit_cells(initial: Lattice, lengths: Floats, number: int) -> tuple[Floats,
 
 
 def _cells(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Indices of all unit cells, (cells, d), the last axis fastest."""
     return np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, counts.size)
 
 
 def _spread(sites: Floats, number: int) -> Floats:
-    """`number` of the sites, evenly out of their order."""
+    """`number` of the sites, at even distances in their order."""
     keep = np.linspace(0, len(sites) - 1, number).round().astype(int)
     return np.ascontiguousarray(sites[keep])
 
 
-def lattice_sites_inside(initial: Lattice, scene: Scene, lengths: Floats, radius: float) -> Floats:
-    """Sites for particles of this radius inside hard walls, between which the lattice is compressed where need be."""
+def lattice_sites_inside(initial: Lattice, scene: SceneEntries, lengths: Floats, radius: float) -> Floats:
+    """Positions (N, d) on the sites of a lattice inside hard walls and cylinder, all in units of length.
+
+    The lattice is compressed between walls where it would not fit otherwise. scene: gives the walls. lengths: sides of
+    the box, (d,). radius: of the particles. UsageError if the structure is not one of d dimensions, or if a single
+    particle does not fit between the walls.
+    """
     assert scene.box is not None
     cylinder = scene.box.cylinder
-    margins = radius + wall_strokes(scene).max(axis=1)
+    margins = radius + wall_strokes(scene.faces).max(axis=1)
     across = np.isin(np.arange(scene.dimension), scene.across)
     room = lengths
     if cylinder is not None:
@@ -100,7 +127,12 @@ def lattice_sites_inside(initial: Lattice, scene: Scene, lengths: Floats, radius
 
 
 def random_velocities(initial: Lattice, masses: Floats, dimension: int, fixed: NDArray[np.bool_]) -> Floats:
-    """Of one temperature or one speed; the fixed ones' are zero, and then the others' total momentum is not."""
+    """Random velocities (N, d), length/time, of the temperature or of the speed that `initial` gives.
+
+    masses: (N,). fixed: (N,), particles that never move. At a temperature T the total momentum is removed and the
+    kinetic energy is exactly (d/2) (N - 1) T; with fixed particles it is (d/2) N_moving T, and the momentum is not
+    removed.
+    """
     rng = np.random.default_rng(initial.seed)
     velocities = rng.normal(size=(masses.size, dimension))
     velocities[fixed] = 0.0
@@ -118,6 +150,11 @@ def random_velocities(initial: Lattice, masses: Floats, dimension: int, fixed: N
 
 
 def apocentre(initial: Kepler, masses: Floats, gravity: Gravity | None, dimension: int) -> tuple[Floats, Floats]:
+    """Positions and velocities, (2, d) each, of two bodies at apocentre on the x axis, moving along y.
+
+    Their distance is a (1 + e), their relative speed sqrt(G M (1 - e)/(a (1 + e))), with the total mass M. masses:
+    (2,). UsageError without gravity, in dimension 1, or if both masses are 0.
+    """
     if gravity is None or dimension == 1:
         raise UsageError("initial.kind = 'kepler' needs [gravity] and dimension 2 or 3")
     a, e, total = initial.semi_major_axis, initial.eccentricity, masses.sum()
@@ -131,6 +168,10 @@ def apocentre(initial: Kepler, masses: Floats, gravity: Gravity | None, dimensio
 
 
 def read_configuration(path: Path, dimension: int) -> Explicit:
+    """The configuration in an .npz file, or in any format that ASE reads; of vectors, the first `dimension` components.
+
+    UsageError if the file cannot be read, or holds values that are not finite.
+    """
     spins = None
     try:
         if path.suffix == ".npz":
@@ -157,7 +198,11 @@ def read_configuration(path: Path, dimension: int) -> Explicit:
 
 
 def explicit(positions: Floats, velocities: Floats, angular_velocities: Floats | None = None) -> Explicit:
-    """Arrays of shape (N, d), and (N, 1 | 3) for the angular velocities, as an initial state."""
+    """An initial state from arrays.
+
+    positions: (N, d), length. velocities: (N, d), length/time. angular_velocities: (N, 1) in the plane, (N, 3) in
+    space, 1/time; None: no rotation.
+    """
 
     def rows(array: Floats) -> tuple[Vector, ...]:
         return tuple(map(tuple, array.tolist()))
@@ -167,3 +212,49 @@ def explicit(positions: Floats, velocities: Floats, angular_velocities: Floats |
         velocities=rows(velocities),
         angular_velocities=None if angular_velocities is None else rows(angular_velocities),
     )
+
+
+def check_rows(initial: Explicit, dimension: int) -> None:
+    """ValueError unless all tables have one row per particle, of as many components as the dimension asks for."""
+    if not initial.positions:
+        raise ValueError("initial.positions is empty: give at least one particle")
+    table = {
+        "positions": (initial.positions, dimension),
+        "velocities": (initial.velocities, dimension),
+        "angular_velocities": (initial.angular_velocities, 1 if dimension == 2 else 3),
+    }
+    for name, (rows, components) in table.items():
+        if rows is None:
+            continue
+        if len(rows) != len(initial.positions):
+            raise ValueError(f"initial.{name} has {len(rows)} rows for {len(initial.positions)} particles")
+        for i, row in enumerate(rows):
+            if len(row) != components:
+                raise ValueError(f"initial.{name}[{i}] has {len(row)} components in dimension {dimension}")
+
+
+def wall_strokes(faces: tuple[Face | None, ...]) -> Floats:
+    """Amplitudes (d, 2), in units of length, with which the lower and upper walls of each axis oscillate; 0 at rest.
+
+    faces: 2d entries x-, x+, y-, y+ ...; None: no wall.
+    """
+    strokes = [0.0 if face is None or face.oscillation is None else face.oscillation.amplitude for face in faces]
+    return np.reshape(strokes, (-1, 2))
+
+
+def refuse_coincidence(positions: Floats, lengths: Floats | None, periodic: Iterable[bool]) -> None:
+    """UsageError that names two particles in the same place, if there are any.
+
+    positions: (N, d), length. lengths: sides of the box, (d,), length; None: open space. periodic: which axes are,
+    (d,).
+    """
+    wrapped = positions.copy()
+    if lengths is not None:
+        for axis, wraps in enumerate(periodic):
+            if wraps:
+                wrapped[:, axis] %= lengths[axis]
+    order = np.lexsort(wrapped.T)
+    same = np.flatnonzero((np.diff(wrapped[order], axis=0) == 0).all(axis=1))
+    if same.size:
+        i, j = sorted(order[same[0] : same[0] + 2])
+        raise UsageError(f"particles {i} and {j} are at the same place: move one of them")

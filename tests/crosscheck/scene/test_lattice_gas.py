@@ -18,7 +18,6 @@ from scene_files import assert_survives_files
 
 from crosscheck.errors import UsageError
 from crosscheck.scene import (
-    GAS_TALLIES,
     LatticeGas,
     Method,
     Obstacle,
@@ -27,6 +26,7 @@ from crosscheck.scene import (
     Scene,
     Wave,
 )
+from crosscheck.scene.observables import named
 from refimpl.lattice.gas import BOUNCE_BACK, DIFFUSIVE_X, DIFFUSIVE_Y, SPECULAR_X, SPECULAR_Y, places
 from refimpl.lattice.models import MODELS
 from refimpl.lattice.theory import fermi_dirac
@@ -100,7 +100,7 @@ def scenes(draw: st.DrawFn) -> Scene:
         modes = st.tuples(finite, finite)
         waves = st.builds(Wave, of=st.sampled_from(kinds), amplitude=finite, mode=modes, phase=finite)
         start["waves"] = draw(st.lists(waves, max_size=2).map(tuple))
-    tallies = [tally for tally in GAS_TALLIES if tally != "force_impulse" or force is not None]
+    tallies = [tally for tally in named("lattice_gas") if tally != "force_impulse" or force is not None]
     return Scene(
         name=draw(st.text()),
         dimension=2,
@@ -214,7 +214,7 @@ INTERVAL = ("output.interval", 1)
         (GAS, [("initial.seed", ...)], "'initial.seed' is missing: add it"),
         *(
             (GAS, [("initial.density", ...), ("initial.channels", [0.1] * 4), (f"initial.{key}", value)],
-             "initial: channels say it all: remove velocity_x, velocity_y, waves and cells")
+             "initial: channels gives all mean occupations: remove velocity_x, velocity_y, waves and cells")
             for key, value in (
                 ("velocity_x", 0.1), ("velocity_y", [0.1] * 10), ("cells", 5),
                 ("waves", [{"of": "density", "amplitude": 0.1, "mode": [1.0, 0.0]}]),
@@ -222,7 +222,7 @@ INTERVAL = ("output.interval", 1)
         ),
         *(
             (GAS, [("initial.cells", 5), (f"initial.{key}", value)],
-             "initial: cells have a number of particles, no velocity: remove cells, or the velocities")
+             "initial: cells fixes numbers of particles, not velocities: remove cells, or the velocities")
             for key, value in (
                 ("velocity_x", 0.1), ("velocity_y", [0.1] * 10),
                 ("waves", [{"of": "velocity_x", "amplitude": 0.1, "mode": [1.0, 0.0]}]),
