@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from crosscheck.documents import COMMAND, EXAMPLES, PAGES, scene_words, unit_and_meaning, write
+from crosscheck.documents import PAGES, write
+from crosscheck.documents.markdown import COMMAND
+from crosscheck.documents.scene_words import EXAMPLES, scene_words, unit_and_meaning
 from crosscheck.engines.refimpl import RefimplEngine
 from crosscheck.scene import Scene
 from crosscheck.scene.parts import INTERACTIONS

@@ -1,25 +1,16 @@
-"""Pages of docs/reference that are generated from the code: `python -m crosscheck.documents [DIRECTORY]` writes them.
-
-A page is a function that returns its text, and an entry of `PAGES`. A test fails if a written page differs from it.
-"""
+"""The page of the words of a scene, and their JSON Schema."""
 
 from __future__ import annotations
 
 import inspect
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
+from crosscheck.documents.markdown import NOTICE, page, table_of
 from crosscheck.scene import Scene
 from crosscheck.scene.parts import INTERACTIONS, Interaction, LatticeGas, Part, SceneEntries
 from crosscheck.scene.tables import ANY_INDEX, ANY_KEY, Table, tables
 from refimpl.lattice.models import MODELS
-
-COMMAND = "python -m crosscheck.documents"
-_NOTICE = f"This file is generated: change the code and run `{COMMAND}`."
 
 #: A minimal scene for each interaction.
 EXAMPLES = {
@@ -122,10 +113,6 @@ scheme = "lattice_planes"
 def scene_words() -> str:
     """The page of all words of the scene language: a section per TOML table, and an example per interaction."""
     lines = [
-        f"<!-- {_NOTICE} -->",
-        "",
-        "# Words of a scene",
-        "",
         *_INTRODUCTION.format(interactions=", ".join(f"`[{name}]`" for name in INTERACTIONS)).splitlines(),
     ]
     documented: dict[type[Part], str] = {}
@@ -140,7 +127,7 @@ def scene_words() -> str:
     lines += ["", "## Examples", "", "A minimal scene of each interaction, which records only the state at the end."]
     for name in INTERACTIONS:
         lines += ["", f"### `[{name}]`", "", "```toml", *EXAMPLES[name].splitlines(), "```"]
-    return "\n".join(lines) + "\n"
+    return page("Words of a scene", lines)
 
 
 _INTRODUCTION = """\
@@ -172,7 +159,7 @@ def _words(table: Table) -> list[str]:
     """The lines of a Markdown table of the words of one TOML table."""
     schema = table.part.model_json_schema()
     required = schema.get("required", ())
-    rows = [["word", "type and allowed values", "default", "unit", "meaning"], ["---"] * 5]
+    rows = []
     for word, entry in schema["properties"].items():
         unit, meaning = unit_and_meaning(entry["description"])
         default = entry.get("default")
@@ -183,7 +170,7 @@ def _words(table: Table) -> list[str]:
         else:
             shown = f"`{json.dumps(default)}`"
         rows.append([f"`{word}`", _inner(table, word) or _type(entry), shown, unit, meaning])
-    return ["| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in rows]
+    return table_of(("word", "type and allowed values", "default", "unit", "meaning"), rows)
 
 
 def unit_and_meaning(description: str) -> tuple[str, str]:
@@ -236,35 +223,6 @@ def _type(entry: dict[str, Any], several: bool = False) -> str:
 
 def scene_schema() -> str:
     """The JSON Schema (draft 2020-12) of scenes, by which editors check and complete their files."""
-    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$comment": _NOTICE}
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$comment": NOTICE}
     schema = head | Scene.model_json_schema() | {"description": _text(Scene)}
     return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
-
-
-#: Name of each generated file of docs/reference, and the function that returns its text.
-PAGES: dict[str, Callable[[], str]] = {
-    "scene-words.md": scene_words,
-    "scene.schema.json": scene_schema,
-}
-
-
-def write(directory: Path) -> list[Path]:
-    """Writes all pages into the directory, which is made if need be; returns their paths."""
-    directory.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for name, page in PAGES.items():
-        paths.append(directory / name)
-        paths[-1].write_text(page(), encoding="utf-8", newline="\n")
-    return paths
-
-
-def main(
-    directory: Annotated[Path, typer.Argument(help="where the pages are written")] = Path("docs/reference"),
-) -> None:
-    """Write the pages of docs/reference that are generated from the code."""
-    for path in write(directory):
-        print(path)
-
-
-if __name__ == "__main__":
-    typer.run(main)
