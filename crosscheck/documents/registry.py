@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from importlib.metadata import entry_points
-
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.documents.markdown import page, table_of
 from crosscheck.engines.capabilities import Capability
 from crosscheck.engines.protocol import Engine
-from crosscheck.engines.registry import GROUP, engine_class, engine_order
+from crosscheck.engines.registry import engine_class, shipped_engines
 from crosscheck.runner import unmatched
 from crosscheck.scene.observables import TABLE
 from crosscheck.scene.parts import INTERACTIONS
@@ -17,8 +15,26 @@ from crosscheck.scene.parts import INTERACTIONS
 
 def _shipped() -> dict[str, type[Engine]]:
     """The engines that come with the suite: a page does not depend on what else is installed."""
-    names = [point.name for point in entry_points(group=GROUP) if point.value.startswith("crosscheck.")]
-    return {name: engine_class(name) for name in sorted(names, key=engine_order)}
+    return {name: engine_class(name) for name in shipped_engines()}
+
+
+_OBSERVABLES = """\
+What a run can be asked for: `output.observables` takes the names of those that are asked for by name. Shapes: d is
+the dimension of space, N the number of particles, b the number of channels of a lattice gas; samples contain the
+start. Units are those of the scene. Cumulative ones are summed or integrated from the start of the run to the sample.
+Derived ones are computed by the suite, for every engine that measures what they need."""
+_ENGINES = """\
+What the engines that come with the suite declare; whatever an engine does not declare is refused for it, with the
+reason. A column is a capability: an engine with its schemes. Words are entries of a scene
+([scene-words.md](scene-words.md)); `entry=choice` is one of its values, `entry[]` one value per species, `masses[]`
+unlike masses. What is not listed here, every engine takes from the scene (box sides, initial state, seeds)."""
+_SCHEMES = """\
+`method.scheme` takes these names. An engine claims orders of the global error of position and velocity, for forces
+f(r) and f(r, v), and whether the map from start to end is symplectic and reversible: the checks hold it to that. A
+dash: nothing is claimed, and nothing is checked."""
+_CHECKS = """\
+Every check, with the shipped engines that it judges and the number of its variants in each tier (the full tier
+contains the quick one). `crosscheck show NAME` prints equation, needs, variants and planted faults."""
 
 
 # -- observables -------------------------------------------------------------------------------------------------------
@@ -48,15 +64,8 @@ def observables() -> str:
         )
         meaning = row.meaning if row.requires is None else f"{row.meaning}; needs `[{row.requires[0]}]`"
         rows.append((f"`{row.name}`", _MATTER[row.matter], _ASKED[row.asked], row.shape, row.unit, how, meaning))
-    text = (
-        "What a run can be asked for: `output.observables` takes the names of those that are asked for by name. Shapes:",
-        "d is the dimension of space, N the number of particles, b the number of channels of a lattice gas; samples",
-        "contain the start. Units are those of the scene. Cumulative ones are summed or integrated from the start of the",
-        "run to the sample. Derived ones are computed by the suite, for every engine that measures what they need.",
-        "",
-    )
     head = ("name", "of", "asked for by", "shape", "unit", "kind", "meaning")
-    return page("Observables", [*text, *table_of(head, rows)])
+    return page("Observables", [*_OBSERVABLES.splitlines(), "", *table_of(head, rows)])
 
 
 # -- engines -----------------------------------------------------------------------------------------------------------
@@ -64,13 +73,7 @@ def observables() -> str:
 
 def engines() -> str:
     """The page of what the shipped engines declare, a matrix per interaction."""
-    lines = [
-        "What the engines that come with the suite declare; whatever an engine does not declare is refused for it, with",
-        "the reason. A column is a capability: an engine with its schemes. Words are entries of a scene",
-        "([scene-words.md](scene-words.md)); `entry=choice` is one of its values, `entry[]` one value per species,",
-        "`masses[]` unlike masses. What is not listed here, every engine takes from the scene (box sides, initial state,",
-        "seeds).",
-    ]
+    lines = _ENGINES.splitlines()
     for interaction in INTERACTIONS:
         columns = [
             (name, engine, one)
@@ -122,14 +125,8 @@ def schemes() -> str:
         for name, engine in _shipped().items()
         for scheme, claims in engine.schemes.items()
     ]
-    text = (
-        "`method.scheme` takes these names. An engine claims orders of the global error of position and velocity, for",
-        "forces f(r) and f(r, v), and whether the map from start to end is symplectic and reversible: the checks hold it",
-        "to that. A dash: nothing is claimed, and nothing is checked.",
-        "",
-    )
     head = ("scheme", "engine", "kind", "order, f(r)", "order, f(r, v)", "symplectic", "reversible")
-    return page("Schemes", [*text, *table_of(head, rows)])
+    return page("Schemes", [*_SCHEMES.splitlines(), "", *table_of(head, rows)])
 
 
 def _order(order: tuple[int, int] | None) -> str:
@@ -148,10 +145,7 @@ def checks() -> str:
     groups: dict[str, list[Check]] = {}
     for check in all_checks():
         groups.setdefault(check.name.partition("/")[0], []).append(check)
-    lines = [
-        "Every check, with the shipped engines that it judges and the number of its variants in each tier (the full tier",
-        "contains the quick one). `crosscheck show NAME` prints equation, needs, variants and planted faults.",
-    ]
+    lines = _CHECKS.splitlines()
     for group, members in groups.items():
         rows = []
         for check in members:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-from importlib.metadata import entry_points
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from crosscheck.engines.protocol import Engine
@@ -15,7 +16,18 @@ GROUP = "crosscheck.engines"
 
 def engine_names() -> list[str]:
     """Names of the installed engines, the reference implementation first, then in alphabetical order."""
-    return sorted({point.name for point in entry_points(group=GROUP)}, key=engine_order)
+    return sorted(_installed(), key=engine_order)
+
+
+@cache
+def _installed() -> dict[str, EntryPoint]:
+    """The entry points of engines, by name; looked up once: that reads the metadata of all installed packages."""
+    return {point.name: point for point in entry_points(group=GROUP)}
+
+
+def shipped_engines() -> list[str]:
+    """Names of the engines that come with the suite, in that order."""
+    return [name for name in engine_names() if _installed()[name].value.startswith("crosscheck.")]
 
 
 def engine_order(name: str) -> tuple[bool, str]:
@@ -27,8 +39,8 @@ def engine_class(name: str) -> type[Engine]:
     """The class of an installed engine or of `path.py:Class`; UsageError if there is none."""
     if ".py:" in name:
         return _from_file(name)
-    for point in entry_points(group=GROUP, name=name):
-        found: type[Engine] = point.load()
+    if name in _installed():
+        found: type[Engine] = _installed()[name].load()
         return found
     raise UsageError(f"unknown engine '{name}'; known: {', '.join(engine_names())}; or give path.py:Class")
 
