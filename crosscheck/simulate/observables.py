@@ -134,14 +134,12 @@ def _tails(scene: Scene) -> tuple[float, float]:
     """Energy and pressure of the pairs beyond the cutoff, zero unless the scene asks for them."""
     if scene.lennard_jones is None or not scene.lennard_jones.tail_corrections:
         return 0.0, 0.0
-    from crosscheck.engines.refimpl.stepping import force_record
-    from refimpl.stepping.forces.lennard_jones import tail_corrections
+    from crosscheck.references.lennard_jones import tail_corrections
 
     try:
-        tails = tail_corrections(force_record(scene, scene.initial_state()))
+        return tail_corrections(scene)
     except ValueError as error:
         raise UsageError(f"scene {scene.name}: lennard_jones.tail_corrections: {error}") from None
-    return tails.energy, tails.pressure
 
 
 # -- the CSV file --------------------------------------------------------------------------------------------
