@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from crosscheck import painter
 from crosscheck.figure import FieldMap, Figure, Frame, RoundFrame, Snapshot
 from crosscheck.report import figures, pictures
 from crosscheck.verdict import Verdict, round_off
@@ -58,7 +59,7 @@ def image(svg):
 
 
 def rgb(level):
-    return [int(pictures.colours()[level][i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    return [int(painter.colours()[level][i : i + 2], 16) / 255 for i in (1, 3, 5)]
 
 
 # -- snapshots -----------------------------------------------------------------------------------------------
@@ -69,7 +70,7 @@ def test_particles_and_walls_are_on_one_scale():
     left, bottom, top = map(int, re.search(r"M(\d+) (\d+)L\1 (\d+)", svg).groups())
     scale = (bottom - top) / 5.0
     disks = {colour: (x, y) for x, y, _, colour in strokes(svg) if colour}
-    for colour, (x, y) in {"m0": (2.0, 1.0), f"m{pictures.LEVELS - 1}": (8.0, 3.0)}.items():
+    for colour, (x, y) in {"m0": (2.0, 1.0), f"m{painter.LEVELS - 1}": (8.0, 3.0)}.items():
         # a tenth of a unit is the resolution of both
         assert disks[colour] == pytest.approx((left + x * scale, bottom - y * scale), abs=2)
     outer = max(width for *_, width, colour in strokes(svg) if colour is None)
@@ -105,9 +106,9 @@ def test_lost_particles_are_marked_at_the_edge_and_counted():
 
 def test_values_off_the_scale_get_the_colour_of_its_end_and_those_not_finite_none():
     drawing = draw(Snapshot([1, 2, 3, 4], [1.0] * 4, 0.3, BOX, [-5.0, 0.5, 9.0, math.nan], "speed", (0.0, 1.0)))
-    middle = pictures.LEVELS // 2
+    middle = painter.LEVELS // 2
     assert [one[3] for one in sorted(strokes(drawing.svg)) if one[3]] == [
-        "m0", f"m{middle}", f"m{pictures.LEVELS - 1}", "paper",
+        "m0", f"m{middle}", f"m{painter.LEVELS - 1}", "paper",
     ]  # fmt: skip
     assert drawing.remarks == ["1 particle without a value: not filled.", "Off the colour scale: 1 below, 1 above."]
 
@@ -149,7 +150,7 @@ def test_a_map_is_an_image_with_the_first_row_at_the_bottom():
     cells = image(drawing.svg)
     assert cells.shape == (2, 3, 4)
     assert cells[1, 0] == pytest.approx([*rgb(0), 1.0], abs=1e-6)
-    assert cells[0, 2] == pytest.approx([*rgb(pictures.LEVELS - 1), 1.0], abs=1e-6)
+    assert cells[0, 2] == pytest.approx([*rgb(painter.LEVELS - 1), 1.0], abs=1e-6)
     assert cells[1, 2, 3] == 0.0
     assert drawing.remarks == ["1 blank cell: no value."]
 
