@@ -36,6 +36,11 @@ class Extent(NamedTuple):
     bottom: float
     top: float
 
+    @property
+    def size(self) -> float:
+        """The longer side."""
+        return max(self.right - self.left, self.top - self.bottom)
+
     def holds(self, x: float, y: float) -> bool:
         """Whether the point lies in it; one that is not finite does not."""
         return self.left <= x <= self.right and self.bottom <= y <= self.top

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from crosscheck.engines.protocol import Run
+from crosscheck.figure import Frame, RoundFrame, Snapshot
+from crosscheck.painter import LARGEST, Extent, bounds, colours, outlines, paint
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.scene.lattice_gas import gas_model
 from crosscheck.simulate.observables import Result, method_label, recorded
@@ -19,6 +22,11 @@ if TYPE_CHECKING:
 #: Up to so many particles are drawn as trajectories, more as a configuration.
 FEW = 10
 _ENERGIES = ("kinetic_energy", "potential_energy", "total_energy", "rotational_energy")
+#: Side of the picture of the particles, about, in points.
+_SIDE = 250.0
+#: Free space about particles and box, and the diameter of particles without a size, as shares of the picture.
+_MARGIN, _POINT = 0.02, 0.01
+_GREY, _OUTLINE, _WALL = "#bbbbbb", "#333333", "#222222"
 _COLOURS = ("#0067a8", "#d04f00", "#00846a", "#a8327f", "#8f6c00", "#3a2a8c")
 
 
@@ -90,46 +98,204 @@ def _energies(result: Result) -> dict[str, Floats]:
 
 
 def draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
-    """Few particles as trajectories, on a line against time; many as points at the end, coloured by speed.
+    """What a run of `scene` looks like.
 
-    Hard disks as circles of their size, among their walls, with the paths of those that move if they are few.
+    A lattice gas as the field of its speed; few particles without a size as trajectories, in one dimension against
+    time; all others as disks at the end of the run, with the paths of those that move if they are few hard disks.
     """
+    positions = recorded(run, "positions")
     if scene.lattice_gas is not None:
         _draw_lattice_gas(axes, scene, run)
-        return
-    if scene.hard_spheres is not None and scene.dimension == 2:
-        _draw_disks(axes, scene, run)
-        return
-    positions = recorded(run, "positions")
-    if scene.number <= FEW and positions is not None:
+    elif scene.number <= FEW and positions is not None and not _are_disks(scene):
         _draw_trajectories(axes, scene, run.time, positions)
-        return
-    r, lengths = run.final_positions.copy(), scene.lengths()
-    if lengths is not None:
-        wraps = np.array(scene.boundaries) == "periodic"
-        r[:, wraps] %= lengths[wraps]
-        axes.set_xlim(0, lengths[0])
-        if scene.dimension > 1:
-            axes.set_ylim(0, lengths[1])
-    flat = in_space(r)
-    speed = np.linalg.norm(run.final_velocities, axis=1)
-    order = np.argsort(flat[:, 2], kind="stable")
-    depth = (
-        np.zeros(scene.number) if scene.dimension < 3 else (flat[:, 2] - flat[:, 2].min()) / (np.ptp(flat[:, 2]) or 1.0)
+    else:
+        moving = ~scene.fixed()
+        if _are_disks(scene) and moving.sum() <= FEW and positions is not None:
+            _draw_paths(axes, positions[:, moving], scene.periods())
+        _draw_snapshot(axes, scene, run)
+
+
+def _are_disks(scene: Scene) -> bool:
+    """Hard disks: what is seen is all there is of them."""
+    return scene.hard_spheres is not None and scene.dimension == 2
+
+
+# -- particles -----------------------------------------------------------------------------------------------
+
+
+def _draw_snapshot(axes: Axes, scene: Scene, run: Run) -> None:
+    """Particles at the end among their walls, coloured by speed; fixed ones, and those without a finite speed, grey."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import EllipseCollection, LineCollection
+    from matplotlib.colors import ListedColormap, Normalize
+    from matplotlib.patches import Circle
+
+    snapshot = asdict(snapshot_of(scene, run))
+    view = _view(scene, snapshot)
+    left, right, bottom, top = view
+    periods = scene.periods()
+    painting = paint(snapshot, view, _SIDE / view.size, (periods[0], periods[1:2].sum()))
+    if painting.disks:
+        sizes = [2 * disk.radius for disk in painting.disks]
+        disks = EllipseCollection(
+            sizes,
+            sizes,
+            np.zeros(len(sizes)),
+            units="xy",
+            offsets=[(disk.x, disk.y) for disk in painting.disks],
+            offset_transform=axes.transData,
+            facecolors=[colours()[disk.level] if disk.level >= 0 else _GREY for disk in painting.disks],
+            # a line lies half within the disk
+            linewidths=[0.5 * disk.outline for disk in painting.disks],
+            edgecolors=_OUTLINE,
+        )
+        axes.add_collection(disks)
+    if painting.lost:
+        axes.plot(*zip(*painting.lost, strict=True), "x", color=_WALL, clip_on=False)
+    if scene.box is not None:
+        lines = outlines(snapshot["container"])
+        for x0, y0, x1, y1 in lines.walls:
+            axes.plot([x0, x1], [y0, y1], color=_WALL, linewidth=2, solid_capstyle="projecting")
+        # where the box is periodic, the picture ends
+        sides = [((x0, y0), (x1, y1)) for x0, y0, x1, y1 in lines.sides if not periods[0 if x0 == x1 else 1]]
+        if sides:
+            axes.add_collection(LineCollection(sides, colors=_WALL, linewidths=0.8, linestyles="dashed"))
+        if lines.circle is not None:
+            x, y, radius = lines.circle
+            axes.add_patch(Circle((x, y), radius, fill=False, linewidth=2, edgecolor=_WALL))
+    if painting.limits is not None:
+        scale = ScalarMappable(Normalize(*painting.limits), ListedColormap(colours()))
+        assert axes.figure is not None
+        axes.figure.colorbar(scale, ax=axes, label=snapshot["value_label"], shrink=0.8)
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+    axes.set_xlabel("\n".join(["x", *painting.lost_words]))
+    axes.set_ylabel("y (far particles are smaller)" if scene.dimension == 3 else "y")
+    axes.grid(False)
+
+
+def snapshot_of(scene: Scene, run: Run) -> Snapshot:
+    """The particles of a run at its end, seen along z, those in front last; coloured by speed.
+
+    In the plane hard disks and Lennard-Jones particles have their own size; all others a size that their number leaves
+    room for, in space smaller with their distance. Without a box the container is the smallest frame around them.
+    """
+    positions, velocities = run.final_positions, run.final_velocities
+    periods = scene.periods()
+    r = in_space(positions - _image(positions, periods) * periods)
+    value = np.where(scene.fixed(), np.nan, np.linalg.norm(velocities, axis=1))
+    container = _container(scene, r)
+    radius = _radii(scene, bounds(asdict(container)).size)
+    if scene.dimension == 3:
+        far, near = _range(r[:, 2])
+        depth = np.where(abs(r[:, 2]) < LARGEST, (r[:, 2] - far) / (near - far), 0.0)
+        radius = radius * np.sqrt(0.4 + 0.6 * depth)
+    order = np.argsort(r[:, 2], kind="stable")
+    fastest = max((speed for speed in value.tolist() if abs(speed) < LARGEST), default=0.0)
+    return Snapshot(
+        r[order, 0].tolist(),
+        r[order, 1].tolist(),
+        radius[order].tolist(),
+        container,
+        value[order].tolist(),
+        "speed",
+        (0.0, fastest or 1.0),
     )
-    area = min(120.0, 2.4e4 / scene.number) * (0.4 + 0.6 * depth if scene.dimension == 3 else 1.0 + depth)
-    points = axes.scatter(
-        flat[order, 0],
-        flat[order, 1],
-        s=area[order],
-        c=speed[order],
-        cmap="viridis",
-        linewidths=0.3,
-        edgecolors="#333333",
+
+
+def _container(scene: Scene, r: Floats) -> Frame | RoundFrame:
+    """What particles at r (N, 3) are in: the box, a cylinder seen along its axis, or the smallest frame around them."""
+    lengths = scene.lengths()
+    if scene.box is None or lengths is None:
+        left, right = _range(r[:, 0])
+        bottom, top = _range(r[:, 1])
+        return Frame(left, right, bottom, top, ())
+    if scene.box.cylinder is not None and scene.across == (0, 1):
+        return RoundFrame(float(lengths[0]) / 2, float(lengths[1]) / 2, scene.box.cylinder.radius)
+    sides: tuple[Literal["left", "right", "bottom", "top"], ...] = ("left", "right", "bottom", "top")
+    walls = tuple(
+        side
+        for number, side in enumerate(sides)
+        if scene.boundaries[number // 2] == "wall" or (scene.faces and scene.faces[number] is not None)
     )
-    assert axes.figure is not None
-    axes.figure.colorbar(points, ax=axes, label="speed", shrink=0.8)
-    axes.set(xlabel="x", ylabel="y (far particles are smaller)" if scene.dimension == 3 else "y", aspect="equal")
+    return Frame(0.0, float(lengths[0]), 0.0, float(lengths[1]), walls)
+
+
+def _range(x: Floats) -> tuple[float, float]:
+    """Smallest and largest of the finite coordinates in x (N,), with some room where they are all equal."""
+    finite = x[abs(x) < LARGEST]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    return (low, high) if high > low else (low - 0.5 * (abs(low) or 1.0), low + 0.5 * (abs(low) or 1.0))
+
+
+def _radii(scene: Scene, size: float) -> Floats:
+    """Radii (N,) to draw in a container of this size: half of diameter or sigma in the plane, else by the number."""
+    diameters, number = scene.diameters(), scene.number
+    if scene.dimension == 2 and diameters is not None:
+        return np.where(diameters > 0, diameters, _POINT * size) / 2
+    if scene.dimension == 2 and scene.lennard_jones is not None:
+        sigma = np.atleast_1d(scene.lennard_jones.length)
+        if scene.lennard_jones.length_form == "r_m":
+            sigma = sigma / 2 ** (1 / 6)
+        if sigma.size == 1 or scene.species is None:
+            return np.full(number, sigma[0] / 2)
+        return sigma[list(scene.species)] / 2
+    return np.full(number, min(0.022, 0.31 * number**-0.5) * size)
+
+
+def _view(scene: Scene, snapshot: dict[str, Any]) -> Extent:
+    """What is seen: the container and the particles, with a margin, but to the edge of the box where it is periodic."""
+    x, y, radius = (np.array(snapshot[name]) for name in ("x", "y", "radius"))
+    left, right, bottom, top = bounds(snapshot["container"])
+    found = []
+    for centres, low, high, period in zip((x, y), (left, bottom), (right, top), (*scene.periods(), 0.0), strict=False):
+        there = abs(centres) < LARGEST
+        if not period and there.any():
+            low = min(low, float((centres - radius)[there].min()))
+            high = max(high, float((centres + radius)[there].max()))
+        found += [low, high]
+    seen = Extent(*found)
+    margin = _MARGIN * seen.size
+    across, up = (0.0 if period else margin for period in (*scene.periods(), 0.0)[:2])
+    if scene.box is None:
+        # room for the labels of the shorter axis
+        across += max(0.0, 0.25 * seen.size - 0.5 * (seen.right - seen.left))
+        up += max(0.0, 0.25 * seen.size - 0.5 * (seen.top - seen.bottom))
+    left, right, bottom, top = seen
+    return Extent(left - across, right + across, bottom - up, top + up)
+
+
+def _image(positions: Floats, periods: Floats) -> Floats:
+    """Which copy of the periodic box the positions are in, per axis; 0 where it is not periodic."""
+    return np.where(periods > 0, np.floor(positions / np.where(periods > 0, periods, 1.0)), 0.0)
+
+
+def _draw_paths(axes: Axes, positions: Floats, periods: Floats) -> None:
+    """Paths from sample to sample, brought back into the periodic box and broken where they leave it."""
+    for particle in range(positions.shape[1]):
+        path = positions[:, particle]
+        image = _image(path, periods)
+        breaks = np.flatnonzero((np.diff(image, axis=0) != 0).any(axis=1)) + 1
+        path = np.insert(path - image * periods, breaks, np.nan, axis=0)
+        axes.plot(path[:, 0], path[:, 1], color=_COLOURS[particle % len(_COLOURS)], linewidth=1)
+
+
+def _draw_trajectories(axes: Axes, scene: Scene, time: Floats, positions: Floats) -> None:
+    for particle in range(scene.number):
+        path = positions[:, particle]
+        colour = _COLOURS[particle % len(_COLOURS)]
+        across, up = (time, path[:, 0]) if scene.dimension == 1 else (path[:, 0], path[:, 1])
+        axes.plot(across, up, color=colour, linewidth=1)
+        good = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
+        if good.size:
+            axes.plot(across[good[-1]], up[good[-1]], "o", color=colour, markersize=5)
+    if scene.dimension == 1:
+        axes.set(xlabel="time", ylabel="x")
+    else:
+        axes.set(xlabel="x", ylabel="y")
+        axes.set_aspect("equal", adjustable="datalim")
+
+
+# -- lattice gases -------------------------------------------------------------------------------------------
 
 
 def _draw_lattice_gas(axes: Axes, scene: Scene, run: Run) -> None:
@@ -163,100 +329,3 @@ def _draw_lattice_gas(axes: Axes, scene: Scene, run: Run) -> None:
     if walls is not None:
         rows, columns = np.nonzero(walls)
         axes.plot(columns, rows * velocities.row_height, ",", color="#d04f00")
-
-
-def _draw_disks(axes: Axes, scene: Scene, run: Run) -> None:
-    """Disks at the end, coloured by speed, fixed ones grey; points have a size of their own."""
-    from matplotlib.collections import EllipseCollection
-
-    diameters, fixed, lengths = scene.diameters(), scene.fixed(), scene.lengths()
-    assert diameters is not None
-    periodic = np.array(scene.boundaries) == "periodic"
-    periods = scene.periods()
-    r = run.final_positions - _image(run.final_positions, periods) * periods
-    positions = recorded(run, "positions")
-    if scene.number - fixed.sum() <= FEW and positions is not None:
-        _draw_paths(axes, positions[:, ~fixed], periods)
-    size = float(np.ptp(r, axis=0).max()) if lengths is None else float(lengths.max())
-    seen = np.where(diameters > 0, diameters, 0.01 * (size or 1.0))
-    # a disk that reaches over a periodic edge is seen again on the other side
-    shifts = np.array([(i, k) for i in (-1, 0, 1) for k in (-1, 0, 1) if (periodic | (np.array([i, k]) == 0)).all()])
-    centres = (r + (shifts * periods)[:, None]).reshape(-1, 2)
-    which = np.tile(np.arange(scene.number), len(shifts))
-    over = (np.abs(centres - periods / 2) > (periods + seen[which, None]) / 2)[:, periodic].any(axis=1)
-    centres, which = centres[~over], which[~over]
-    speed = np.linalg.norm(run.final_velocities, axis=1)
-    for still in (True, False):
-        group = fixed[which] == still
-        if not group.any():
-            continue
-        size_of = seen[which[group]]
-        disks = EllipseCollection(
-            size_of, size_of, np.zeros(size_of.size), units="xy", offsets=centres[group],
-            offset_transform=axes.transData, linewidths=0.3, edgecolors="#333333",
-        )  # fmt: skip
-        if still:
-            disks.set_facecolor("#bbbbbb")
-        else:
-            disks.set_array(speed[which[group]])
-            disks.set_clim(0.0, float(np.nanmax(speed)) or 1.0)
-            assert axes.figure is not None
-            axes.figure.colorbar(disks, ax=axes, label="speed", shrink=0.8)
-        axes.add_collection(disks)
-    low, high = np.nanmin(r - seen[:, None] / 2, axis=0), np.nanmax(r + seen[:, None] / 2, axis=0)
-    if lengths is not None:
-        low = np.where(periodic, 0.0, np.minimum(low, 0.0))
-        high = np.where(periodic, lengths, np.maximum(high, lengths))
-    margin = np.where(periodic, 0.0, 0.02 * float((high - low).max()))
-    (left, bottom), (right, top) = low - margin, high + margin
-    axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="x", ylabel="y", aspect="equal")
-    axes.grid(False)
-    _draw_walls(axes, scene)
-
-
-def _image(positions: Floats, periods: Floats) -> Floats:
-    """Which copy of the periodic box the positions are in, per axis; 0 where it is not periodic."""
-    return np.where(periods > 0, np.floor(positions / np.where(periods > 0, periods, 1.0)), 0.0)
-
-
-def _draw_paths(axes: Axes, positions: Floats, periods: Floats) -> None:
-    """Paths from sample to sample, brought back into the periodic box and broken where they leave it."""
-    for particle in range(positions.shape[1]):
-        path = positions[:, particle]
-        image = _image(path, periods)
-        breaks = np.flatnonzero((np.diff(image, axis=0) != 0).any(axis=1)) + 1
-        path = np.insert(path - image * periods, breaks, np.nan, axis=0)
-        axes.plot(path[:, 0], path[:, 1], color=_COLOURS[particle % len(_COLOURS)], linewidth=1)
-
-
-def _draw_walls(axes: Axes, scene: Scene) -> None:
-    """Hard faces and the cylinder, thick."""
-    from matplotlib.patches import Circle
-
-    lengths = scene.lengths()
-    if lengths is None:
-        return
-    for index, face in enumerate(scene.faces):
-        if face is not None:
-            axis, upper = divmod(index, 2)
-            draw = axes.axvline if axis == 0 else axes.axhline
-            draw(float(lengths[axis]) * upper, color="#222222", linewidth=2)
-    if scene.box is not None and scene.box.cylinder is not None:
-        middle = (float(lengths[0]) / 2, float(lengths[1]) / 2)
-        axes.add_patch(Circle(middle, scene.box.cylinder.radius, fill=False, linewidth=2, edgecolor="#222222"))
-
-
-def _draw_trajectories(axes: Axes, scene: Scene, time: Floats, positions: Floats) -> None:
-    for particle in range(scene.number):
-        path = positions[:, particle]
-        colour = _COLOURS[particle % len(_COLOURS)]
-        across, up = (time, path[:, 0]) if scene.dimension == 1 else (path[:, 0], path[:, 1])
-        axes.plot(across, up, color=colour, linewidth=1)
-        good = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
-        if good.size:
-            axes.plot(across[good[-1]], up[good[-1]], "o", color=colour, markersize=5)
-    if scene.dimension == 1:
-        axes.set(xlabel="time", ylabel="x")
-    else:
-        axes.set(xlabel="x", ylabel="y")
-        axes.set_aspect("equal", adjustable="datalim")

@@ -4,18 +4,20 @@ import numpy as np
 import pytest
 from hard_disks import EVENTS, disks, fall
 
-from crosscheck.scene import Box, Cylinder, Explicit, HardSpheres
+from crosscheck.engines.protocol import Run
+from crosscheck.scene import Box, Cylinder, Explicit, HardSpheres, Lattice, LennardJones, Scene
 from crosscheck.simulate.observables import Result, observables
-from crosscheck.simulate.picture import draw_configuration, draw_picture
+from crosscheck.simulate.picture import draw_configuration, draw_picture, snapshot_of
 
 
 def circles(scene, run):
     """Diameters (in the units of the axes) and centres of what is drawn as disks, and the axes."""
+    from matplotlib.collections import EllipseCollection
     from matplotlib.figure import Figure
 
     axes = Figure().add_subplot()
     draw_configuration(axes, scene, run)
-    found = [(c.get_widths(), c.get_offsets()) for c in axes.collections]
+    found = [(c.get_widths(), c.get_offsets()) for c in axes.collections if isinstance(c, EllipseCollection)]
     return np.concatenate([w for w, _ in found]), np.concatenate([o for _, o in found]), axes
 
 
@@ -52,3 +54,54 @@ def test_walls_are_drawn(tmp_path, boundaries):
     assert len(axes.lines) - len(walls) == 2  # the paths of those that move
     result = Result("refimpl", "1", run, observables(scene, run))
     assert [path.suffix for path in draw_picture(tmp_path, scene, EVENTS, [result], {})] == [".png", ".svg"]
+
+
+def fluid(dimension, **lennard_jones):
+    """A Lennard-Jones scene of 16 particles, and a run of it that went nowhere."""
+    scene = Scene(
+        name="fluid",
+        dimension=dimension,
+        duration=1.0,
+        box=Box(lengths=(6.0, 5.0, 4.0)[:dimension]),
+        species=(0, 1) * 8,
+        lennard_jones=LennardJones(cutoff=1.9, **({"length": (1.0, 0.5)} | lennard_jones)),
+        initial=Lattice(
+            kind="lattice", structure="square" if dimension == 2 else "sc", number=16, temperature=1.0, seed=1
+        ),
+    )
+    state = scene.initial_state()
+    return scene, Run(np.zeros(1), state.positions, state.velocities)
+
+
+def test_particles_in_the_plane_have_their_size():
+    snapshot = snapshot_of(*fluid(2))
+    assert snapshot.radius == [0.5, 0.25] * 8
+    assert snapshot_of(*fluid(2, length_form="r_m")).radius == pytest.approx(
+        np.array([0.5, 0.25] * 8) / 2 ** (1 / 6), rel=1e-3
+    )
+
+
+def test_far_particles_are_smaller_and_behind():
+    scene, run = fluid(3)
+    radius = snapshot_of(scene, run).radius
+    assert radius == sorted(radius)
+    assert radius[0] < radius[-1]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_run_that_lost_its_particles_has_a_picture(tmp_path, dimension):
+    scene, run = fluid(dimension)
+    run.final_positions = np.full_like(run.final_positions, np.nan)
+    run.final_positions[0] = np.inf
+    result = Result("refimpl", "1", run, observables(scene, run))
+    paths = draw_picture(tmp_path, scene, EVENTS, [result], {})
+    assert "16 particles outside the picture or not finite" in paths[-1].read_text()
+
+
+def test_open_sides_are_dashed_and_periodic_ones_are_not():
+    from matplotlib.collections import LineCollection
+
+    for boundary, number in (("open", 2), ("periodic", 0)):
+        scene = disks(box=Box(lengths=(6.0, 5.0), boundaries=("periodic", boundary)))
+        _, _, axes = circles(scene, fall(scene))
+        assert sum(len(c.get_segments()) for c in axes.collections if isinstance(c, LineCollection)) == number
