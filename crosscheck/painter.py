@@ -98,7 +98,7 @@ class Painting:
     enlarged: int
 
     @property
-    def lost_words(self) -> list[str]:
+    def lost_remarks(self) -> list[str]:
         """What the crosses mean, if there are any."""
         if not self.lost:
             return []

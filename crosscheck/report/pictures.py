@@ -295,7 +295,7 @@ def _draw_snapshot(picture: Picture, snapshot: dict[str, Any], prefix: str) -> D
     svg = _compose(layout, picture, painting.limits, snapshot["value_label"], content, prefix)
 
     remarks = [] if snapshot["x"] else ["No particles."]
-    remarks += painting.lost_words
+    remarks += painting.lost_remarks
     if painting.blank:
         remarks.append(f"{many(painting.blank, 'particle')} without a value: not filled.")
     if painting.enlarged:

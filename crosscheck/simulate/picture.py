@@ -168,7 +168,7 @@ def _draw_snapshot(axes: Axes, scene: Scene, run: Run) -> None:
         assert axes.figure is not None
         axes.figure.colorbar(scale, ax=axes, label=snapshot["value_label"], shrink=0.8)
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-    axes.set_xlabel("\n".join(["x", *painting.lost_words]))
+    axes.set_xlabel("\n".join(["x", *painting.lost_remarks]))
     axes.set_ylabel("y (far particles are smaller)" if scene.dimension == 3 else "y")
     axes.grid(False)
 

@@ -51,14 +51,7 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]
     UsageError if the scene is not valid or has no [method], and if an engine is missing or cannot run the scene.
     """
     what = load(scene)
-    method = what.method
-    if method is None:
-        example = 'scheme and dt, as in scheme = "velocity_verlet", dt = 0.005'
-        if what.hard_spheres is not None:
-            example = 'scheme = "event_driven"'
-        elif what.lattice_gas is not None:
-            example = 'scheme = "lattice_planes"'
-        raise UsageError(f"scene {what.name}: add [method] with {example}")
+    method = _method(what)
     if len(set(engines)) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
     pool = Pool()
@@ -77,7 +70,20 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]
     return written + draw_picture(out, what, method, results, compared)
 
 
+def _method(scene: Scene) -> Method:
+    """The scene's own method; UsageError, with an example of one, if it has none."""
+    if scene.method is not None:
+        return scene.method
+    example = 'scheme and dt, as in scheme = "velocity_verlet", dt = 0.005'
+    if scene.hard_spheres is not None:
+        example = 'scheme = "event_driven"'
+    elif scene.lattice_gas is not None:
+        example = 'scheme = "lattice_planes"'
+    raise UsageError(f"scene {scene.name}: add [method] with {example}")
+
+
 def _run(scene: Scene, method: Method, engine: str, pool: Pool) -> Result:
+    """The run of one engine in its worker process; UsageError if the engine is missing or cannot run the scene."""
     worker = pool.worker(engine)
     schemes = engine_class(engine).schemes
     try:

@@ -37,8 +37,8 @@ def test_lost_particles_are_at_the_nearest_edge():
     assert painting.disks == []
     # what the record cannot hold, as an infinite coordinate, counts as too large
     assert painting.lost == [(0.0, 2.0), (10.0, 1.0), (4.0, 5.0)]
-    assert "3 particles" in painting.lost_words[0]
-    assert paint([1.0], [1.0]).lost_words == []
+    assert "3 particles" in painting.lost_remarks[0]
+    assert paint([1.0], [1.0]).lost_remarks == []
 
 
 def test_small_particles_are_enlarged_and_large_ones_outlined():
