@@ -198,7 +198,8 @@ def snapshot_of(scene: Scene, run: Run) -> Snapshot:
         container,
         value[order].tolist(),
         "speed",
-        (0.0, fastest or 1.0),
+        # grains come to rest, a fluid does not: its colours span the speeds there are
+        (0.0, fastest or 1.0) if _are_disks(scene) else None,
     )
 
 
