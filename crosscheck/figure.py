@@ -9,9 +9,10 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Series:
-    """One curve: x, y, optional error bars; `theory` curves are drawn as thin lines without markers.
+    """One curve. Units are those of the axis labels of its figure.
 
-    bins: a histogram; x holds the n + 1 edges of its n bins, y their heights. ValueError if the lengths do not match.
+    label: its entry in the legend. x, y: (n,). error: (n,), the half-length of error bars. theory: an expected curve,
+    drawn as a thin line without markers. ValueError if the lengths do not match.
     """
 
     label: str
@@ -19,16 +20,44 @@ class Series:
     y: list[float]
     error: list[float] | None = None
     theory: bool = False
-    bins: bool = False
 
     def __post_init__(self) -> None:
-        if len(self.x) != len(self.y) + self.bins or (self.error is not None and len(self.error) != len(self.y)):
-            raise ValueError(f"'{self.label}': {len(self.y)} values do not match {len(self.x)} x or their error bars")
+        _check_lengths(self.label, len(self.y), len(self.x), self.error)
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """Heights over bins. Units are those of the axis labels of its figure.
+
+    label: its entry in the legend. x: (n + 1,), the edges of the bins, rising. y: (n,), the heights. error: (n,), the
+    half-length of error bars. theory: an expected histogram, drawn as a thin line. ValueError if the lengths do not
+    match. bins: tells it from a `Series` in the record.
+    """
+
+    label: str
+    x: list[float]
+    y: list[float]
+    error: list[float] | None = None
+    theory: bool = False
+    bins: Literal[True] = field(default=True, init=False)
+
+    def __post_init__(self) -> None:
+        _check_lengths(self.label, len(self.y), len(self.x) - 1, self.error)
+
+
+def _check_lengths(label: str, values: int, places: int, error: list[float] | None) -> None:
+    """ValueError unless there is a value for each place on the x axis, and an error bar for each value, if any."""
+    if values != places or (error is not None and len(error) != values):
+        raise ValueError(f"'{label}': {values} values do not match {places} places on the x axis or their error bars")
 
 
 @dataclass(frozen=True)
 class Frame:
-    """A rectangle. walls: its sides that are walls; the others (open, periodic) are drawn dashed."""
+    """A rectangular frame around particles or a field. Lengths in the unit of the axis labels of the figure.
+
+    left, right, bottom, top: its sides. walls: the sides that are walls; the others (open, periodic) are drawn dashed.
+    shape: tells it from a `RoundFrame` in the record. ValueError unless right > left and top > bottom, all finite.
+    """
 
     left: float
     right: float
@@ -39,14 +68,18 @@ class Frame:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.right - self.left) and math.isfinite(self.top - self.bottom)):
-            raise ValueError("the sides of a box must be finite")
+            raise ValueError("the sides of a frame must be finite")
         if not (self.right > self.left and self.top > self.bottom):
-            raise ValueError(f"a box of {self.right - self.left} by {self.top - self.bottom} has no inside")
+            raise ValueError(f"a frame of {self.right - self.left} by {self.top - self.bottom} has no inside")
 
 
 @dataclass(frozen=True)
 class RoundFrame:
-    """A circular container about x, y."""
+    """A circular frame, a wall all around. Lengths in the unit of the axis labels of the figure.
+
+    x, y: its centre. radius: of the circle. shape: tells it from a `Frame` in the record. ValueError unless all are
+    finite and the radius is positive.
+    """
 
     x: float
     y: float
@@ -55,17 +88,19 @@ class RoundFrame:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.x) and math.isfinite(self.y) and 0 < self.radius < math.inf):
-            raise ValueError(f"a drum needs a finite centre and a positive radius, got {self.radius}")
+            raise ValueError(f"a round frame needs a finite centre and a positive radius, got {self.radius}")
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Particles at one time, drawn as circles of their radius (one number if it is the same for all).
+    """N particles at one time, drawn as circles. Lengths in the unit of the axis labels of the figure.
 
-    value: what colours them (speed, temperature), one number a particle, with its label. limits: ends of the colour
-    scale, by default the range of the values; what lies outside gets the colour of the end, what is not finite none.
+    x, y: (N,), their centres. radius: one number, or (N,). container: what they are in. value: (N,), the quantity that
+    colours them (speed, temperature). value_label: name and unit of that quantity. limits: ends of the colour scale, by
+    default the range of the values; what lies outside gets the colour of the end, what is not finite none.
+
     Kept rounded: positions to 1e-4 of the container or finer, all else to four digits. ValueError if the lengths do
-    not match.
+    not match, or the limits are not finite and rising.
     """
 
     x: list[float]
@@ -82,8 +117,11 @@ class Snapshot:
         if any(length != number for length in lengths):
             raise ValueError(f"a snapshot of {number} particles has lists of {lengths}")
         _check_limits(self.limits)
-        box = self.container
-        size = 2 * box.radius if isinstance(box, RoundFrame) else max(box.right - box.left, box.top - box.bottom)
+        frame = self.container
+        if isinstance(frame, RoundFrame):
+            size = 2 * frame.radius
+        else:
+            size = max(frame.right - frame.left, frame.top - frame.bottom)
         places = 4 - math.floor(math.log10(size))
         object.__setattr__(self, "x", [round(float(v), places) for v in self.x])
         object.__setattr__(self, "y", [round(float(v), places) for v in self.y])
@@ -94,12 +132,15 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class FieldMap:
-    """A field on a regular grid of equal cells that spans the container (a drum: its bounding square).
+    """A field on a regular grid of equal cells that spans the container, or the square around a `RoundFrame`.
 
-    values[row][column]: rows from the bottom up, columns from left to right; a cell that is not finite is left blank.
-    limits: as in `Snapshot`. arrows: the two components u[row][column], v[row][column] of a vector field on a grid
-    over the same container, as fine or coarser. Kept rounded to four digits. ValueError unless the rows of a grid are
-    equally long and u, v have one shape.
+    values: values[row][column], rows from the bottom up, columns from left to right; a cell that is not finite is left
+    blank. container: what the field is in. value_label: name and unit of the values. limits: as in `Snapshot`.
+    arrows: the two components u[row][column], v[row][column] of a vector field on a grid over the same container, as
+    fine or coarser. arrow_label: name of the vector field.
+
+    Kept rounded to four digits. ValueError unless the rows of a grid are equally long, u and v have one shape, and the
+    limits are finite and rising.
     """
 
     values: list[list[float]]
@@ -133,10 +174,12 @@ def _short(values: list[float]) -> list[float]:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of a verdict: curves, or a snapshot, or a map (ValueError if it is more than one of them).
+    """A figure of a verdict: curves and histograms, or a snapshot, or a map.
 
-    Verdicts of one check whose figures have the same title share one set of axes for their curves; snapshots and maps
-    are drawn each by itself, lengths on both axes to one scale.
+    title: verdicts of one check whose figures have the same title share one set of axes for their curves; snapshots
+    and maps are drawn each by itself, lengths on both axes to one scale. x_label, y_label: what the axes show, with the
+    unit. x_scale, y_scale: of the axes of curves. series, snapshot, map: the content, one of the three; ValueError if
+    it is more than one.
     """
 
     title: str
@@ -144,7 +187,7 @@ class Figure:
     y_label: str
     x_scale: Literal["linear", "log"] = "linear"
     y_scale: Literal["linear", "log"] = "linear"
-    series: tuple[Series, ...] = ()
+    series: tuple[Series | Histogram, ...] = ()
     snapshot: Snapshot | None = None
     map: FieldMap | None = None
 

@@ -132,6 +132,39 @@ def tail(density: float, cutoff: float) -> Tail:
     return Tail(8 / 3 * np.pi * density * (r9 / 3 - r3), 16 / 3 * np.pi * density**2 * (2 / 3 * r9 - r3))
 
 
+def tail_corrections(scene: Scene) -> tuple[float, float]:
+    """Total potential energy and pressure of the pairs beyond the cutoff, if they were distributed uniformly (g = 1).
+
+    U = (1/2V) sum_ij int_rc^inf phi_ij(r) S r^(d-1) dr, p = -(1/2dV^2) sum_ij int_rc^inf r phi_ij'(r) S r^(d-1) dr,
+    with S = 4 pi in three dimensions and 2 pi in two, sums over all i and j; mixtures by Lorentz and Berthelot. In the
+    scene's own units. Allen and Tildesley (1987), section 2.8.
+
+    scene: of [lennard_jones]. ValueError unless all axes are periodic and the truncation is "truncated": of the shifted
+    potentials the tail is not all that differs from phi.
+    """
+    lj, state, d = scene.lennard_jones, scene.initial_state(), scene.dimension
+    assert lj is not None
+    if set(scene.boundaries) != {"periodic"}:
+        raise ValueError("tail corrections need a periodic box: they assume a uniform fluid beyond the cutoff")
+    if lj.truncation != "truncated":
+        raise ValueError("tail corrections belong to truncation 'truncated', not to a shifted potential")
+    lengths = np.atleast_1d(lj.length) / (2 ** (1 / 6) if lj.length_form == "r_m" else 1.0)
+    parameters = np.stack(np.broadcast_arrays(np.atleast_1d(lj.epsilon), lengths))  # (2, species)
+    species: Floats = np.zeros(scene.number, dtype=int)
+    if parameters.shape[1] > 1 and state.species is not None:
+        species = state.species
+    (epsilons, sigmas), counts = np.unique(parameters[:, species], axis=1, return_counts=True)
+    epsilon = np.sqrt(np.outer(epsilons, epsilons))
+    s6 = (0.5 * np.add.outer(sigmas, sigmas)) ** 6
+    volume, sphere = scene.volume(), 4 * np.pi if d == 3 else 2 * np.pi
+    pairs = np.outer(counts, counts) / (2 * volume) * sphere
+    repulsion = 4 * epsilon * s6**2 * lj.cutoff ** (d - 12) / (12 - d)
+    attraction = 4 * epsilon * s6 * lj.cutoff ** (d - 6) / (6 - d)
+    energy = float((pairs * (repulsion - attraction)).sum())
+    virial = float((pairs * (12 * repulsion - 6 * attraction)).sum())
+    return energy, virial / (d * volume)
+
+
 def open_cluster(positions: Floats, velocities: Floats, times: Floats) -> Floats:
     """Positions (times, N, d) of untruncated Lennard-Jones particles of mass 1 in open space.
 

@@ -18,6 +18,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from crosscheck.engines.registry import engine_names, engine_order
+from crosscheck.painter import LARGEST
 from crosscheck.record import Line, case_name
 
 if TYPE_CHECKING:
@@ -61,8 +62,6 @@ _CROWD = 8
 #: A logarithmic axis shows at most so many decades; what lies outside counts as off the scale.
 _DECADES = 24
 _MARKED = 60
-#: What is not smaller counts as not finite.
-LARGEST = 1e150
 
 
 @dataclass(frozen=True)

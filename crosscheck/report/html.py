@@ -13,6 +13,7 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from crosscheck import painter
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.engines.registry import engine_order
@@ -106,7 +107,7 @@ def render(lines: list[Line], title: str) -> str:
     return environment.get_template("template.html.j2").render(
         name=title,
         palette=figures.PALETTE,
-        colour_map=pictures.colours(),
+        colour_map=painter.colours(),
         lines=lines,
         by_outcome=by_outcome,
         tally=_tally(lines),

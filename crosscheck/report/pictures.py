@@ -1,8 +1,8 @@
 """Pictures of particles and of fields, to one scale on both axes, with a colour bar: inline SVG like the curves.
 
-Frame and ticks are matplotlib's; the content is written here, in tenths of a unit of the SVG. A particle is a stroke of
-no length with a round cap, 12 bytes where a circle takes 36. A field is an image of a pixel a cell. The colour map is
-viridis: perceptually uniform, and in lightness alone monotonic, for those who see fewer hues.
+What is seen of the particles, and in which colour, says `crosscheck.painter`. Frame and ticks are matplotlib's; the
+content is written here, in tenths of a unit of the SVG. A particle is a stroke of no length with a round cap, 12 bytes
+where a circle takes 36. A field is an image of a pixel a cell.
 """
 
 from __future__ import annotations
@@ -14,32 +14,42 @@ import zlib
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from crosscheck.engines.registry import engine_order
+from crosscheck.painter import (
+    LEVELS,
+    PLAIN,
+    Extent,
+    Limits,
+    beyond,
+    bounds,
+    colour_limits,
+    colours,
+    level_of,
+    limits_of,
+    many,
+    number,
+    outlines,
+    paint,
+    radii,
+)
 from crosscheck.record import Line, case_name
-from crosscheck.report.figures import LARGEST, WIDTH, Drawing, qualified, sheet, style, to_svg
+from crosscheck.report.figures import WIDTH, Drawing, qualified, sheet, style, to_svg
 from crosscheck.report.numbers import plain, to_tolerance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Steps of the colour map; the template turns them into CSS variables --m0, --m1, ...
-LEVELS = 64
 # room for the labels about the picture, and the largest and smallest height of picture and colour bar, in SVG units
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 86, 14, 47
 _HIGHEST, _LOWEST = 420, 90
 _GAP, _BAR = 9, 11
 #: Free space about the container, and the share of it that particles may add to it.
 _MARGIN, _OVERHANG = 0.02, 0.1
-#: Drawn no smaller than this, outlined above it, and with an outline of at most so much, in SVG units.
-_SMALLEST, _OUTLINED, _OUTLINE = 0.5, 0.8, 0.6
 #: The longest arrow in spacings of their grid, the opening and the length of its head in SVG units.
 _ARROW, _HEAD_ANGLE, _HEAD = 1.4, 0.45, 3.5
-
-Limits = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -51,15 +61,6 @@ class Picture:
     y_label: str
     snapshot: dict[str, Any] | None
     map: dict[str, Any] | None
-
-
-@cache
-def colours() -> tuple[str, ...]:
-    """The colour map, from the lowest value to the highest."""
-    import matplotlib
-    from matplotlib.colors import to_hex
-
-    return tuple(to_hex(colour) for colour in matplotlib.colormaps["viridis"](range(0, 256, 256 // LEVELS)))
 
 
 def pictures(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Picture]:
@@ -96,14 +97,18 @@ def draw(picture: Picture, prefix: str) -> Drawing:
     return _draw_map(picture, picture.map, prefix)
 
 
-# -- frame ---------------------------------------------------------------------------------------------------
+# -- layout --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class Frame:
-    """Where what is seen (left, right, bottom, top, in units of the scene) lies in the SVG; scale: SVG units a unit."""
+class Layout:
+    """Where the picture lies in the SVG.
 
-    view: tuple[float, float, float, float]
+    view: what is seen, in units of the scene. scale: SVG units in a unit of the scene. left, top: the corner of the
+    picture in the SVG. bar: whether it has a colour bar.
+    """
+
+    view: Extent
     scale: float
     left: float
     top: float
@@ -132,64 +137,47 @@ class Frame:
         left, _, _, top = self.view
         return round(10 * (self.left + (x - left) * self.scale)), round(10 * (self.top + (top - y) * self.scale))
 
-    def holds(self, x: float, y: float) -> bool:
-        left, right, bottom, top = self.view
-        return left <= x <= right and bottom <= y <= top
 
-    def edge(self, x: float, y: float) -> tuple[int, int]:
-        """The nearest point of the frame: not finite counts as too large."""
-        left, right, bottom, top = self.view
-        return self.at(min(max(x, left), right) if x == x else right, min(max(y, bottom), top) if y == y else top)
-
-
-def _bounds(container: dict[str, Any]) -> tuple[float, float, float, float]:
-    """left, right, bottom, top."""
-    if container["shape"] == "drum":
-        x, y, radius = container["x"], container["y"], container["radius"]
-        return x - radius, x + radius, y - radius, y + radius
-    return container["left"], container["right"], container["bottom"], container["top"]
-
-
-def _frame(container: dict[str, Any], overhang: float, bar: bool) -> Frame:
+def _layout(container: dict[str, Any], overhang: float, bar: bool) -> Layout:
     """The container with a margin that holds `overhang` if that is not too much, as large as the page lets it be."""
-    left, right, bottom, top = _bounds(container)
+    left, right, bottom, top = bounds(container)
     size = max(right - left, top - bottom)
     margin = _MARGIN * size + min(overhang, _OVERHANG * size)
-    view = left - margin, right + margin, bottom - margin, top + margin
+    view = Extent(left - margin, right + margin, bottom - margin, top + margin)
     room = WIDTH - _LEFT - (_RIGHT if bar else 12)
-    scale = min(room / (view[1] - view[0]), _HIGHEST / (view[3] - view[2]))
-    height = (view[3] - view[2]) * scale
-    return Frame(view, scale, _LEFT, _TOP + max(0.0, _LOWEST - height) / 2, bar)
+    scale = min(room / (view.right - view.left), _HIGHEST / (view.top - view.bottom))
+    height = (view.top - view.bottom) * scale
+    return Layout(view, scale, _LEFT, _TOP + max(0.0, _LOWEST - height) / 2, bar)
 
 
-def _axes(picture: Picture, frame: Frame, limits: Limits | None, label: str) -> Figure:
+def _axes(picture: Picture, layout: Layout, limits: Limits | None, label: str) -> Figure:
     """Ticks and labels of the picture and of the colour bar."""
     import textwrap
 
-    figure = sheet(frame.total)
-    left, right, bottom, top = frame.view
-    axes = _add(figure, frame, frame.left, frame.top, frame.width, frame.height)
+    figure = sheet(layout.total)
+    left, right, bottom, top = layout.view
+    axes = _add(figure, layout, layout.left, layout.top, layout.width, layout.height)
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
-    _ticks(axes, "x", left, right, frame.width / 60)
-    _ticks(axes, "y", bottom, top, frame.height / 45)
-    axes.set_xlabel(textwrap.fill(picture.x_label, max(16, round(frame.width / 6))))
-    axes.set_ylabel(textwrap.fill(picture.y_label, max(16, round(frame.area / 6))), labelpad=2)
+    _ticks(axes, "x", left, right, layout.width / 60)
+    _ticks(axes, "y", bottom, top, layout.height / 45)
+    axes.set_xlabel(textwrap.fill(picture.x_label, max(16, round(layout.width / 6))))
+    axes.set_ylabel(textwrap.fill(picture.y_label, max(16, round(layout.area / 6))), labelpad=2)
     axes.spines[["top", "right", "left", "bottom"]].set_visible(False)
     if limits is not None:
-        bar = _add(figure, frame, frame.left + frame.width + _GAP, _TOP, _BAR, frame.area)
+        bar = _add(figure, layout, layout.left + layout.width + _GAP, _TOP, _BAR, layout.area)
         bar.set_ylim(*limits)
         bar.set_xticks([])
-        _ticks(bar, "y", *limits, frame.area / 45)
+        _ticks(bar, "y", *limits, layout.area / 45)
         bar.yaxis.tick_right()
         bar.yaxis.set_label_position("right")
-        bar.set_ylabel(textwrap.fill(label, max(16, round(frame.area / 6))), labelpad=5)
+        bar.set_ylabel(textwrap.fill(label, max(16, round(layout.area / 6))), labelpad=5)
         bar.spines[["top", "right", "left", "bottom"]].set_visible(False)
     return figure
 
 
-def _add(figure: Figure, frame: Frame, left: float, top: float, width: float, height: float) -> Axes:
-    total = frame.total
+def _add(figure: Figure, layout: Layout, left: float, top: float, width: float, height: float) -> Axes:
+    total = layout.total
     return figure.add_axes((left / WIDTH, 1 - (top + height) / total, width / WIDTH, height / total), facecolor="none")
 
 
@@ -208,47 +196,14 @@ def _ticks(axes: Axes, which: str, low: float, high: float, room: float) -> None
 # -- colours -------------------------------------------------------------------------------------------------
 
 
-def _number(value: float | None) -> float:
-    """The record writes null for what is not finite; so does here NaN for what no axis can hold."""
-    return math.nan if value is None or not abs(value) < LARGEST else float(value)
-
-
-def _limits(given: Sequence[float] | None, values: list[float]) -> Limits | None:
-    """Ends of the colour scale; None without a value to colour."""
-    finite = [value for value in values if math.isfinite(value)]
-    if not finite:
-        return None
-    if given is not None:
-        return given[0], given[1]
-    low, high = min(finite), max(finite)
-    if low == high:
-        around = 0.5 * abs(low) or 0.5
-        return low - around, high + around
-    return low, high
-
-
-def _level(value: float, limits: Limits) -> int:
-    low, high = limits
-    if not low < value < high:
-        return LEVELS - 1 if value >= high else 0
-    return min(LEVELS - 1, math.floor(LEVELS * ((value - low) / (high - low))))
-
-
-def _beyond(values: list[float], limits: Limits | None) -> tuple[int, int]:
-    """How many values lie below and above the colour scale."""
-    if limits is None:
-        return 0, 0
-    return sum(value < limits[0] for value in values), sum(value > limits[1] for value in values)
-
-
-def _colour_bar(frame: Frame, beyond: tuple[int, int]) -> str:
+def _colour_bar(layout: Layout, outside: tuple[int, int]) -> str:
     """The colours from bottom to top, with a tip where values lie beyond that end."""
-    left, top = round(10 * (frame.left + frame.width + _GAP)), 10 * _TOP
-    width, height = 10 * _BAR, round(10 * frame.area)
+    left, top = round(10 * (layout.left + layout.width + _GAP)), 10 * _TOP
+    width, height = 10 * _BAR, round(10 * layout.area)
     content = _image([[level] for level in range(LEVELS)], left, top, width, height)
-    tips = ((beyond[0], top + height, 80, 0), (beyond[1], top, -80, LEVELS - 1))
-    for number, y, tip, level in tips:
-        if number:
+    tips = ((outside[0], top + height, 80, 0), (outside[1], top, -80, LEVELS - 1))
+    for count, y, tip, level in tips:
+        if count:
             content += f'<path d="M{left} {y}h{width}l{-width // 2} {tip}z" style="fill:var(--m{level})"/>'
     return content + f'<path d="M{left} {top}h{width}v{height}h{-width}z" stroke="currentColor" stroke-width="6"/>'
 
@@ -286,109 +241,83 @@ def _png(rows: list[list[int | None]]) -> bytes:
 # -- content -------------------------------------------------------------------------------------------------
 
 
-def _container(container: dict[str, Any], frame: Frame) -> str:
+def _container(container: dict[str, Any], layout: Layout) -> str:
     """Walls as thick lines, other sides dashed."""
-    if container["shape"] == "drum":
-        x, y = frame.at(container["x"], container["y"])
-        radius = round(10 * container["radius"] * frame.scale)
+    lines = outlines(container)
+    if lines.circle is not None:
+        x, y = layout.at(*lines.circle[:2])
+        radius = round(10 * lines.circle[2] * layout.scale)
         return f'<circle cx="{x}" cy="{y}" r="{radius}" stroke="currentColor" stroke-width="20"/>'
-    left, right, bottom, top = _bounds(container)
-    corners = {
-        "left": (left, bottom, left, top),
-        "right": (right, bottom, right, top),
-        "bottom": (left, bottom, right, bottom),
-        "top": (left, top, right, top),
-    }
-    walls, others = "", ""
-    for side, (x0, y0, x1, y1) in corners.items():
-        path = "M{} {}L{} {}".format(*frame.at(x0, y0), *frame.at(x1, y1))
-        if side in container["walls"]:
-            walls += path
-        else:
-            others += path
+    walls, sides = (
+        "".join("M{} {}L{} {}".format(*layout.at(x0, y0), *layout.at(x1, y1)) for x0, y0, x1, y1 in segments)
+        for segments in (lines.walls, lines.sides)
+    )
     drawn = f'<path d="{walls}" stroke="currentColor" stroke-width="20" stroke-linecap="square"/>' if walls else ""
-    if others:
-        drawn += f'<path d="{others}" stroke="currentColor" stroke-width="8" stroke-dasharray="50 40"/>'
+    if sides:
+        drawn += f'<path d="{sides}" stroke="currentColor" stroke-width="8" stroke-dasharray="50 40"/>'
     return drawn
 
 
-def _compose(frame: Frame, picture: Picture, limits: Limits | None, label: str, content: str, prefix: str) -> str:
+def _compose(layout: Layout, picture: Picture, limits: Limits | None, label: str, content: str, prefix: str) -> str:
     """The content under the frame with its ticks."""
     with style():
-        svg = to_svg(_axes(picture, frame, limits, label), picture.title, prefix)
+        svg = to_svg(_axes(picture, layout, limits, label), picture.title, prefix)
     end = svg.index(">") + 1
     return f'{svg[:end]}\n<g transform="scale(.1)" fill="none">{content}</g>{svg[end:]}'
 
 
 def _draw_snapshot(picture: Picture, snapshot: dict[str, Any], prefix: str) -> Drawing:
-    x, y = [_number(v) for v in snapshot["x"]], [_number(v) for v in snapshot["y"]]
-    radius = snapshot["radius"]
-    radii = [_number(r) for r in radius] if isinstance(radius, list) else [_number(radius)] * len(x)
-    values = [_number(v) for v in snapshot["value"] or ()]
-    limits = _limits(snapshot["limits"], values)
-    largest = max((r for r in radii if math.isfinite(r)), default=0.0)
-    frame = _frame(snapshot["container"], largest, limits is not None)
-    beyond = _beyond(values, limits)
+    largest = max((radius for radius in radii(snapshot) if math.isfinite(radius)), default=0.0)
+    layout = _layout(snapshot["container"], largest, colour_limits(snapshot) is not None)
+    painting = paint(snapshot, layout.view, layout.scale)
 
     rings: dict[int, str] = defaultdict(str)
     disks: dict[tuple[int, int], str] = defaultdict(str)
-    crosses, small, blank = "", 0, 0
-    for i, place in enumerate(zip(x, y, strict=True)):
-        if not frame.holds(*place):
-            crosses += "M{} {}m-35-35l70 70m0-70l-70 70".format(*frame.edge(*place))
-            continue
-        true = radii[i] * frame.scale
-        small += not true >= _SMALLEST
-        drawn = true if true >= _SMALLEST else _SMALLEST
-        outline = min(_OUTLINE, 0.25 * drawn) if drawn >= _OUTLINED else 0.0
-        point = "M{} {}h0".format(*frame.at(*place))
-        if outline:
-            rings[round(20 * drawn)] += point
-        coloured = limits is not None and math.isfinite(values[i])
-        blank += bool(values) and not coloured
-        level = _level(values[i], limits) if limits is not None and coloured else -1
-        disks[level, round(20 * (drawn - outline))] += point
-
-    content = _container(snapshot["container"], frame)
+    for disk in painting.disks:
+        radius = disk.radius * layout.scale
+        point = "M{} {}h0".format(*layout.at(disk.x, disk.y))
+        if disk.outline:
+            rings[round(20 * radius)] += point
+        disks[disk.level, round(20 * (radius - disk.outline))] += point
+    content = _container(snapshot["container"], layout)
     content += '<g stroke-linecap="round" style="stroke:var(--ring)">'
     content += "".join(f'<path d="{d}" stroke-width="{w}"/>' for w, d in sorted(rings.items()))
     for (level, width), path in sorted(disks.items()):
-        paint = "var(--c0)" if not values else "var(--paper)" if level < 0 else f"var(--m{level})"
-        content += f'<path d="{path}" style="stroke:{paint}" stroke-width="{width}"/>'
+        colour = "var(--c0)" if level == PLAIN else "var(--paper)" if level < 0 else f"var(--m{level})"
+        content += f'<path d="{path}" style="stroke:{colour}" stroke-width="{width}"/>'
     content += "</g>"
-    if crosses:
+    if painting.lost:
+        crosses = "".join("M{} {}m-35-35l70 70m0-70l-70 70".format(*layout.at(*place)) for place in painting.lost)
         content += f'<path d="{crosses}" stroke="currentColor" stroke-width="16"/>'
-    if limits is not None:
-        content += _colour_bar(frame, beyond)
-    svg = _compose(frame, picture, limits, snapshot["value_label"], content, prefix)
+    if painting.limits is not None:
+        content += _colour_bar(layout, painting.beyond)
+    svg = _compose(layout, picture, painting.limits, snapshot["value_label"], content, prefix)
 
-    remarks = [] if x else ["No particles."]
-    lost = crosses.count("l70 70")
-    if lost:
-        remarks.append(f"× at the edge: {_many(lost, 'particle')} outside the picture or not finite.")
-    if blank:
-        remarks.append(f"{_many(blank, 'particle')} without a value: not filled.")
-    if small:
+    remarks = [] if snapshot["x"] else ["No particles."]
+    remarks += painting.lost_remarks
+    if painting.blank:
+        remarks.append(f"{many(painting.blank, 'particle')} without a value: not filled.")
+    if painting.enlarged:
         remarks.append("Particles are drawn larger than they are.")
-    return Drawing(picture.title, svg, [], [], remarks=remarks + _outliers(beyond, snapshot["limits"]))
+    return Drawing(picture.title, svg, [], [], remarks=remarks + _outliers(painting.beyond, snapshot["limits"]))
 
 
 def _draw_map(picture: Picture, field: dict[str, Any], prefix: str) -> Drawing:
-    rows = [[_number(v) for v in row] for row in field["values"]]
+    rows = [[number(v) for v in row] for row in field["values"]]
     values = [value for row in rows for value in row]
-    limits = _limits(field["limits"], values)
-    frame = _frame(field["container"], 0.0, limits is not None)
-    beyond = _beyond(values, limits)
-    left, right, bottom, top = _bounds(field["container"])
+    limits = limits_of(field["limits"], values)
+    layout = _layout(field["container"], 0.0, limits is not None)
+    outside = beyond(values, limits)
+    left, right, bottom, top = bounds(field["container"])
     content = ""
     if limits is not None:
-        levels = [[_level(v, limits) if math.isfinite(v) else None for v in row] for row in rows]
-        (x0, y0), (x1, y1) = frame.at(left, top), frame.at(right, bottom)
+        levels = [[level_of(v, limits) if math.isfinite(v) else None for v in row] for row in rows]
+        (x0, y0), (x1, y1) = layout.at(left, top), layout.at(right, bottom)
         content += _image(levels, x0, y0, x1 - x0, y1 - y0)
-    content += _container(field["container"], frame)
+    content += _container(field["container"], layout)
     remarks = [] if limits is not None else ["No cell has a value."]
     if field["arrows"]:
-        path, longest = _arrows(field["arrows"], (left, right, bottom, top), frame)
+        path, longest = _arrows(field["arrows"], (left, right, bottom, top), layout)
         if path:
             # light about dark: seen on every colour of the map and on either page
             content += (
@@ -399,19 +328,19 @@ def _draw_map(picture: Picture, field: dict[str, Any], prefix: str) -> Drawing:
             )
         remarks.append(f"Arrows: {field['arrow_label'] or 'vector field'}; the longest is {plain(longest, 3)}.")
     if limits is not None:
-        content += _colour_bar(frame, beyond)
-    svg = _compose(frame, picture, limits, field["value_label"], content, prefix)
+        content += _colour_bar(layout, outside)
+    svg = _compose(layout, picture, limits, field["value_label"], content, prefix)
     blank = sum(not math.isfinite(value) for value in values)
     if blank and limits is not None and field["container"]["shape"] == "box":
-        remarks.append(f"{_many(blank, 'blank cell')}: no value.")
-    return Drawing(picture.title, svg, [], [], remarks=remarks + _outliers(beyond, field["limits"]))
+        remarks.append(f"{many(blank, 'blank cell')}: no value.")
+    return Drawing(picture.title, svg, [], [], remarks=remarks + _outliers(outside, field["limits"]))
 
 
-def _arrows(arrows: list[list[list[float | None]]], bounds: tuple[float, ...], frame: Frame) -> tuple[str, float]:
+def _arrows(arrows: list[list[list[float | None]]], bounds: tuple[float, ...], layout: Layout) -> tuple[str, float]:
     """The path of all arrows, each about the middle of its cell, and the largest length in units of the field."""
     left, right, bottom, top = bounds
     vectors = [
-        (row, column, _number(u), _number(v))
+        (row, column, number(u), number(v))
         for row, (us, vs) in enumerate(zip(*arrows, strict=True))
         for column, (u, v) in enumerate(zip(us, vs, strict=True))
     ]
@@ -420,14 +349,14 @@ def _arrows(arrows: list[list[list[float | None]]], bounds: tuple[float, ...], f
     if not longest:
         return "", longest
     wide, high = (right - left) / len(arrows[0][0]), (top - bottom) / len(arrows[0])
-    reach = 10 * _ARROW * min(wide, high) * frame.scale
+    reach = 10 * _ARROW * min(wide, high) * layout.scale
     path = ""
     for row, column, u, v in vectors:
         dx, dy = reach * (u / longest), -reach * (v / longest)
         length = math.hypot(dx, dy)
         if length < 10:
             continue
-        x, y = frame.at(left + (column + 0.5) * wide, bottom + (row + 0.5) * high)
+        x, y = layout.at(left + (column + 0.5) * wide, bottom + (row + 0.5) * high)
         path += f"M{x - round(dx / 2)} {y - round(dy / 2)}l{round(dx)} {round(dy)}"
         head, angle = min(10 * _HEAD, 0.45 * length), math.atan2(-dy, -dx)
         barbs = [
@@ -438,13 +367,9 @@ def _arrows(arrows: list[list[list[float | None]]], bounds: tuple[float, ...], f
     return path, longest
 
 
-def _many(number: int, what: str) -> str:
-    return f"{number} {what}{'s' if number > 1 else ''}"
-
-
-def _outliers(beyond: tuple[int, int], limits: Sequence[float] | None) -> list[str]:
+def _outliers(outside: tuple[int, int], limits: Sequence[float] | None) -> list[str]:
     """What is said of values off the colour scale."""
-    if not sum(beyond) or limits is None:
+    if not sum(outside) or limits is None:
         return []
-    below, above = beyond
+    below, above = outside
     return [f"Off the colour scale: {below} below, {above} above."]

@@ -6,7 +6,7 @@ import math
 from itertools import pairwise
 from pathlib import Path
 
-from crosscheck.figure import FieldMap, Figure, Frame, RoundFrame, Series, Snapshot
+from crosscheck.figure import FieldMap, Figure, Frame, Histogram, RoundFrame, Series, Snapshot
 from crosscheck.record import Record
 from crosscheck.verdict import Judgement, Verdict, bounded, order, round_off, statistical
 
@@ -66,7 +66,7 @@ def _gas() -> tuple[Figure, ...]:
     middle = [0.5 * (a + b) for a, b in pairwise(edges)]
     heights = [v * math.exp(-(v**2) / 2) * (1 + 0.1 * math.sin(9 * v)) for v in middle]
     speeds = (
-        Series("after 10 N collisions", edges, heights, [0.05 * h for h in heights], bins=True),
+        Histogram("after 10 N collisions", edges, heights, [0.05 * h for h in heights]),
         Series("Maxwell", edges, [v * math.exp(-(v**2) / 2) for v in edges], theory=True),
     )
     x, y = [i % 20 + 0.5 for i in range(400)], [i // 20 + 0.5 for i in range(400)]

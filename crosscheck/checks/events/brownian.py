@@ -12,7 +12,7 @@ import numpy as np
 from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
-from crosscheck.figure import Figure, Series
+from crosscheck.figure import Figure, Histogram, Series
 from crosscheck.references import hard_spheres as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import independent_mean, standard_error
@@ -259,7 +259,7 @@ def _speed_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
     return Figure(
         f"speeds of the heavy particle, {dimension} dimensions", "v", "probability density",
         series=(
-            Series("measured", edges.tolist(), heights.tolist(), bins=True),
+            Histogram("measured", edges.tolist(), heights.tolist()),
             Series("Maxwell, T/M (1 - M/total mass)", fine.tolist(), theory_curve.tolist(), theory=True),
         ),
     )  # fmt: skip

@@ -15,7 +15,7 @@ from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, reference_check
 from crosscheck.checks.events.cooling import reported_time
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
-from crosscheck.figure import Figure, Frame, Series, Snapshot
+from crosscheck.figure import Figure, Frame, Histogram, Series, Snapshot
 from crosscheck.references import EPSILON
 from crosscheck.references import granular as reference
 from crosscheck.scene import (
@@ -303,7 +303,7 @@ def _plate_figures(plates: Floats, u: float, label: str) -> tuple[Figure, ...]:
         Figure(
             f"velocity of the wall that grains of u = {u:g} meet", "V/V0", "probability density", "linear", "linear",
             (
-                Series(label, edges.tolist(), heights.tolist(), bins=True),
+                Histogram(label, edges.tolist(), heights.tolist()),
                 Series("uniform", fine.tolist(), reference.uniform_phase_density(fine, 1.0).tolist(), theory=True),
                 Series("flux", fine.tolist(), reference.flux_phase_density(fine, u, 1.0).tolist(), theory=True),
             ),

@@ -12,7 +12,7 @@ import numpy as np
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Tier, fixed, legacy_check
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
-from crosscheck.figure import Figure, Series
+from crosscheck.figure import Figure, Histogram, Series
 from crosscheck.references import EPSILON
 from crosscheck.references import hard_spheres as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, explicit
@@ -151,11 +151,10 @@ def _speed_figures(variant: str, speeds: Floats, means: Floats, errors: Floats) 
     edges = np.linspace(0, 2.5, 51)
     fine = np.linspace(0, 2.5, 126)
     bins = tuple(
-        Series(
+        Histogram(
             f"{count:g} N collisions",
             edges.tolist(),
             np.round(np.histogram(speeds[:, index], edges)[0] / (speeds[:, index].size * 0.05), 5).tolist(),
-            bins=True,
         )
         for index, count in enumerate(COUNTS)
     )

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from crosscheck.references.lennard_jones import PairSum, equation_of_state, pair_sum, tail
+from crosscheck.references.lennard_jones import PairSum, equation_of_state, pair_sum, tail, tail_corrections
 from crosscheck.scene import Box, LennardJones, Scene, Wall, explicit
 
 TRUNCATIONS = ("truncated", "shifted", "force_shifted")
@@ -178,6 +178,59 @@ def test_tails_are_the_integrals_beyond_the_cutoff(density: float, cutoff: float
     found = tail(density, cutoff)
     assert found.energy == pytest.approx(2 * math.pi * density * energy, rel=1e-9)
     assert found.pressure == pytest.approx(-2 / 3 * math.pi * density**2 * pressure, rel=1e-9)
+
+
+def periodic_scene(dimension: int, species: int, **lennard_jones: Any) -> Scene:
+    """Seven particles in a periodic box of sides 6, 7, 8, of one species or two."""
+    x = 1.2 * np.arange(7.0)[:, None] % 5 + np.arange(dimension)
+    mixture = {"epsilon": (1.7, 0.9), "length": (1.2, 1.0)} if species == 2 else {}
+    return Scene(
+        name="tails",
+        dimension=dimension,
+        duration=1.0,
+        box=Box(lengths=(6.0, 7.0, 8.0)[:dimension]),
+        species=(0, 0, 1, 0, 1, 0, 0) if species == 2 else None,
+        lennard_jones=LennardJones(cutoff=2.7, **(mixture | lennard_jones)),
+        initial=explicit(x, np.zeros_like(x)),
+    )
+
+
+@pytest.mark.parametrize("length_form", ["sigma", "r_m"])
+@pytest.mark.parametrize("species", [1, 2])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_tails_of_a_scene_are_those_of_the_own_engine(dimension: int, species: int, length_form: str) -> None:
+    from refimpl.stepping.forces import lennard_jones as own
+
+    scene = periodic_scene(dimension, species, length_form=length_form)
+    lj, state = scene.lennard_jones, scene.initial_state()
+    assert lj is not None
+    force = own.lennard_jones(
+        number=7,
+        dimension=dimension,
+        lengths=(6.0, 7.0, 8.0)[:dimension],
+        periodic=[True] * dimension,
+        species=state.species,
+        epsilon=lj.epsilon,
+        sigma=lj.length,
+        length_form=length_form,
+        cutoff=2.7,
+    )
+    tails = own.tail_corrections(force)
+    assert tail_corrections(scene) == pytest.approx((tails.energy, tails.pressure), rel=1e-14)
+
+
+def test_tails_of_one_species_are_the_textbook_ones() -> None:
+    scene = periodic_scene(3, 1)
+    density = 7 / (6 * 7 * 8)
+    expected = tail(density, 2.7)
+    assert tail_corrections(scene) == pytest.approx((7 * expected.energy, expected.pressure), rel=1e-14)
+
+
+def test_tails_are_refused_where_they_do_not_hold() -> None:
+    with pytest.raises(ValueError, match="periodic box"):
+        tail_corrections(periodic_scene(2, 1).changed(box=Box(lengths=(6.0, 7.0), boundaries=("periodic", "open"))))
+    with pytest.raises(ValueError, match="truncation 'truncated'"):
+        tail_corrections(periodic_scene(2, 1, truncation="shifted"))
 
 
 # -- equations of state -------------------------------------------------------------------------------

@@ -1,39 +1,16 @@
 """`simulate`: files of a scene on one and two engines, checked against closed forms, and the shipped scenes."""
 
 import csv
-import math
 
 import numpy as np
 import pytest
+from hard_disks import EVENTS, disks
 
-from crosscheck.engines.protocol import OPERATIONS, Run
 from crosscheck.engines.refimpl.engine import RefimplEngine
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import UsageError
-from crosscheck.scene import (
-    Box,
-    Cylinder,
-    Explicit,
-    Face,
-    GrainFriction,
-    HardSpheres,
-    Lattice,
-    LennardJones,
-    Method,
-    Output,
-    Scene,
-    Spring,
-)
-from crosscheck.simulate.run import (
-    _draw,
-    _Result,
-    _write_observables,
-    _write_trajectory,
-    load,
-    observables,
-    shipped_scenes,
-    simulate,
-)
+from crosscheck.scene import Explicit, HardSpheres, Method, Output, Scene, Spring
+from crosscheck.simulate.run import load, shipped_scenes, simulate
 
 
 def read_table(path):
@@ -104,47 +81,6 @@ def test_two_engines_side_by_side(tmp_path):
     assert "|refimpl - lammps|" in paths[-1].read_text()
 
 
-def small_fluid(**lennard_jones):
-    return Scene(
-        name="fluid",
-        dimension=3,
-        duration=0.05,
-        box=Box(lengths=(6.0, 6.0, 6.0)),
-        lennard_jones=LennardJones(cutoff=2.5, **lennard_jones),
-        initial=Lattice(kind="lattice", structure="fcc", number=108, temperature=1.0, seed=3),
-        output=Output(interval=0.05, observables=("kinetic_energy", "potential_energy", "virial")),
-    )
-
-
-def run_of(scene, **arrays):
-    zeros = np.zeros((scene.number, scene.dimension))
-    return Run(np.zeros(1), zeros, zeros, **{name: np.array([value]) for name, value in arrays.items()})
-
-
-def test_observables_follow_their_definitions():
-    scene = small_fluid()
-    table = observables(scene, run_of(scene, kinetic_energy=160.5, potential_energy=-500.0, virial=-30.0))
-    assert table["temperature"] == pytest.approx(2 * 160.5 / (3 * 107))
-    assert table["pressure"] == pytest.approx((2 * 160.5 - 30) / (3 * 216))
-    assert table["total_energy"] == pytest.approx(-339.5)
-
-
-def test_tail_corrections_are_added():
-    scene, plain = small_fluid(tail_corrections=True), small_fluid()
-    values = {"kinetic_energy": 160.5, "potential_energy": -500.0, "virial": -30.0}
-    with_tails, without = observables(scene, run_of(scene, **values)), observables(plain, run_of(plain, **values))
-    rho, x = 108 / 216, 2.5**-3
-    energy = 8 / 3 * math.pi * 108 * rho * (x**3 / 3 - x)
-    pressure = 16 / 3 * math.pi * rho**2 * (2 * x**3 / 3 - x)
-    assert with_tails["potential_energy"] - without["potential_energy"] == pytest.approx(energy)
-    assert with_tails["pressure"] - without["pressure"] == pytest.approx(pressure)
-
-
-def test_only_what_the_scene_records_is_there():
-    scene = small_fluid().changed(output=Output(interval=0.05, observables=("kinetic_energy",)))
-    assert list(observables(scene, run_of(scene, kinetic_energy=1.0))) == ["time", "kinetic_energy", "temperature"]
-
-
 SCENE = Scene(
     name="two springs",
     dimension=2,
@@ -200,34 +136,6 @@ def test_a_diverged_run_is_written_up_to_there(tmp_path):
     assert "(diverged)" in paths[-1].read_text()
 
 
-# -- hard spheres ----------------------------------------------------------------------------------------
-
-EVENTS = Method(scheme="event_driven")
-
-
-def disks(**changes):
-    entries = {
-        "name": "disks",
-        "dimension": 2,
-        "duration": 2.0,
-        "hard_spheres": HardSpheres(),
-        "box": Box(lengths=(6.0, 5.0)),
-        "initial": Explicit(
-            positions=((1.0, 1.0), (3.0, 3.0), (5.9, 1.5)), velocities=((1.0, 0.0), (0.0, 0.0), (0.0, 1.9))
-        ),
-        "output": Output(interval=1.0, observables=("kinetic_energy",), trajectory=True),
-    }
-    return Scene(**(entries | changes))
-
-
-def fall(scene, **more):
-    """A run of straight paths through the box, with everything else that is given."""
-    state, time = scene.initial_state(), scene.samples()
-    positions = state.positions + state.velocities * time[:, None, None]
-    velocities = np.broadcast_to(state.velocities, positions.shape)
-    return Run(time, positions[-1], state.velocities, positions, velocities, **more)
-
-
 def test_disks_that_meet(tmp_path):
     scene = disks(
         duration=4.0,
@@ -247,114 +155,6 @@ def test_disks_that_meet(tmp_path):
     assert table["temperature"] == pytest.approx(table["kinetic_energy"] / 2)  # two that move, and no box around them
     assert ", event_driven\n" in paths[0].read_text()
     assert "to t = 4" in paths[-1].read_text()
-
-
-def test_observables_of_hard_spheres():
-    scene = disks(initial=Lattice(kind="lattice", structure="square", number=12, temperature=1.0, seed=1))
-    ones = np.ones(3)
-    tallies = {"collisional_virial": 6 * ones, "kinetic_energy_integral": np.array([0.0, 5.0, 10.0])}
-    asked = Output(interval=1.0, observables=("kinetic_energy", *tallies))
-    table = observables(scene.changed(output=asked), fall(scene, kinetic_energy=5 * ones, tallies=tallies))
-    assert list(table) == ["time", "kinetic_energy", "temperature", "pressure", *tallies]
-    assert table["temperature"] == pytest.approx(2 * 5 / (2 * 11))
-    assert table["pressure"][1:] == pytest.approx([(2 * 5 + 6) / (2 * 30), (2 * 10 + 6) / (2 * 30 * 2)])
-    assert np.isnan(table["pressure"][0])
-    fallen = scene.changed(acceleration=(0.0, -1.0))
-    assert observables(fallen, fall(fallen, kinetic_energy=5 * ones))["temperature"] == pytest.approx(2 * 5 / (2 * 12))
-
-
-def test_the_temperature_of_grains_is_that_of_their_translation():
-    scene = disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)))
-    ones = np.ones(3)
-    assert "temperature" not in observables(scene, fall(scene, kinetic_energy=ones))
-    run = fall(scene, kinetic_energy=ones, tallies={"rotational_energy": 0.25 * ones})
-    assert observables(scene, run)["temperature"] == pytest.approx(2 * 0.75 / (2 * 2))
-
-
-def test_columns_of_tallies():
-    names = ("wall_impulse", "wall_energy", "operation_counts")
-    scene = disks(
-        box=Box(lengths=(6.0, 5.0), boundaries=("periodic", "hard"), faces={"y+": Face(open=True)}),
-        initial=Explicit(positions=((1.0, 1.0),)),
-        output=Output(interval=1.0, observables=names),
-    )
-    numbers = np.arange(8.0).reshape(4, 2)
-    tallies = {
-        "wall_impulse": np.stack([numbers] * 3),
-        "wall_energy": np.stack([numbers[:, 0]] * 3),
-        "operation_counts": np.ones((3, 6)),
-    }
-    table = observables(scene, fall(scene, tallies=tallies))
-    assert list(table) == ["time", "wall_impulse[y-].x", "wall_impulse[y-].y", "wall_energy[y-]", *OPERATIONS]
-    assert (table["wall_impulse[y-].y"] == 5).all()
-    assert (table["wall_energy[y-]"] == 4).all()
-
-
-def test_a_trajectory_has_radii_and_spins(tmp_path):
-    import ase.io
-
-    scene = disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)))
-    run = fall(scene, angular_velocities=np.full((3, 3, 1), 2.5))
-    run["positions"][2] = np.nan  # stopped
-    frames = ase.io.read(_write_trajectory(tmp_path / "t.extxyz", scene, run), ":")
-    assert len(frames) == 2
-    assert frames[1].arrays["radius"].tolist() == [0.5] * 3
-    assert frames[1].arrays["angular_velocities"].tolist() == [[0, 0, 2.5]] * 3
-
-
-def test_why_a_run_stopped_is_in_the_table(tmp_path):
-    scene = disks()
-    run = fall(scene, kinetic_energy=np.ones(3), stopped="inelastic collapse of particles 0 and 1 at t = 0.5")
-    result = _Result("refimpl", "1", run, observables(scene, run))
-    text = _write_observables(tmp_path / "o.csv", scene, EVENTS, result).read_text()
-    assert "# the run stopped: inelastic collapse of particles 0 and 1 at t = 0.5\n" in text
-
-
-def circles(scene, run):
-    """Diameters (in the units of the axes) and centres of what is drawn as disks, and the axes."""
-    from matplotlib.figure import Figure
-
-    from crosscheck.simulate.run import _draw_configuration
-
-    axes = Figure().add_subplot()
-    _draw_configuration(axes, scene, run)
-    found = [(c.get_widths(), c.get_offsets()) for c in axes.collections]
-    return np.concatenate([w for w, _ in found]), np.concatenate([o for _, o in found]), axes
-
-
-def test_disks_are_drawn_in_their_size():
-    scene = disks(hard_spheres=HardSpheres(diameter=(1.0, 0.5)), species=(0, 1, 0))
-    widths, centres, axes = circles(scene, fall(scene))
-    # the third one has gone up to y = 5.3, that is 0.3, and reaches over both periodic edges: it is seen four times
-    assert sorted(widths) == [0.5] + [1.0] * 5
-    for x in (5.9, -0.1):
-        for y in (0.3, 5.3):
-            assert np.isclose(centres, [x, y]).all(axis=1).sum() == 1
-    assert axes.get_xlim() == (0, 6)
-    assert axes.get_ylim() == (0, 5)
-
-
-@pytest.mark.parametrize("boundaries", [("hard", "hard"), ("open", "open"), ("periodic", "hard"), None])
-def test_walls_are_drawn(tmp_path, boundaries):
-    drum = Cylinder(radius=2.5) if boundaries == ("open", "open") else None
-    box = None if boundaries is None else Box(lengths=(6.0, 5.0), boundaries=boundaries, cylinder=drum)
-    scene = disks(
-        box=box,
-        hard_spheres=HardSpheres(diameter=(1.0, 0.0), fixed=(0,)),
-        species=(0, 1, 1),
-        initial=Explicit(
-            positions=((3.0, 2.5), (2.0, 2.0), (4.0, 3.0)), velocities=((0.0, 0.0), (0.5, 0.0), (0.0, 0.1))
-        ),
-    )
-    run = fall(scene)
-    widths, _, axes = circles(scene, run)
-    assert len(widths) == 3
-    walls = [line for line in axes.lines if line.get_linewidth() == 2]
-    assert len(walls) == (0 if boundaries is None else 2 * boundaries.count("hard"))
-    assert [patch.radius for patch in axes.patches] == [2.5] * (drum is not None)
-    assert len(axes.lines) - len(walls) == 2  # the paths of those that move
-    result = _Result("refimpl", "1", run, observables(scene, run))
-    assert [path.suffix for path in _draw(tmp_path, scene, EVENTS, [result])] == [".png", ".svg"]
 
 
 def test_hard_spheres_without_method(tmp_path):

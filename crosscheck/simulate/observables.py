@@ -1,0 +1,216 @@
+"""Observables of a run: the columns that follow from what the engine recorded, and the CSV file that holds them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from crosscheck.engines.protocol import Run, face_names
+from crosscheck.errors import UsageError
+from crosscheck.scene import AXES, Floats, Method, Scene
+from crosscheck.scene.lattice_gas import gas_model
+from crosscheck.scene.observables import OPERATIONS, TABLE
+
+#: Not columns as they are: others follow from them.
+_USED = ("kinetic_energy", "potential_energy", "virial")
+
+
+@dataclass(frozen=True)
+class Result:
+    """A run of one engine.
+
+    engine, version: its name and version. run: what it returned. table: column -> (samples,), see `observables`.
+    """
+
+    engine: str
+    version: str
+    run: Run
+    table: dict[str, Floats]
+
+
+def observables(scene: Scene, run: Run) -> dict[str, Floats]:
+    """Columns (samples,) by name: time, energies, temperature and pressure, then the tallies.
+
+    Each is there if the run recorded what it follows from; the units are the scene's own.
+
+    temperature: 2K/(d(N - 1)), in units of energy, for N particles with zero total momentum; 2K/d for one. pressure:
+    (2K + W)/(dV) in a box that is periodic along every axis. Tail corrections are in, if the scene has them.
+
+    Of hard spheres, K is of the translation: without "rotational_energy", grains that rotate have no temperature here;
+    N counts those that move, and stands for N - 1 where walls, fixed particles or a field take up momentum. pressure:
+    the mean since the start, with the collisional virial for W and exact time averages. A tally with several columns
+    becomes as many, "wall_impulse[x-].y" and the like.
+
+    Of lattice gases: totals of mass, momentum and what the force gave.
+
+    UsageError if the scene asks for tail corrections that do not apply to it.
+    """
+    table = {"time": run["time"]}
+    kinetic, potential = run.get("kinetic_energy"), run.get("potential_energy")
+    tail_energy, tail_pressure = _tails(scene)
+    if kinetic is not None:
+        table["kinetic_energy"] = kinetic
+    if potential is not None:
+        table["potential_energy"] = potential + tail_energy
+    if kinetic is not None and potential is not None:
+        table["total_energy"] = table["kinetic_energy"] + table["potential_energy"]
+    if scene.lattice_gas is not None:
+        return table | _of_lattice_gas(scene, run)
+    table |= (
+        _of_hard_spheres(scene, run) if scene.hard_spheres is not None else _of_smooth_forces(scene, run, tail_pressure)
+    )
+    for name in scene.output.observables:
+        if name not in _USED:
+            table |= _columns(scene, name, run[name])
+    return table
+
+
+def _of_smooth_forces(scene: Scene, run: Run, tail_pressure: float) -> dict[str, Floats]:
+    table: dict[str, Floats] = {}
+    kinetic = run.get("kinetic_energy")
+    d, virial = scene.dimension, run.get("virial")
+    if kinetic is not None:
+        table["temperature"] = 2 * kinetic / (d * max(scene.number - 1, 1))
+    if kinetic is not None and virial is not None and set(scene.boundaries) == {"periodic"}:
+        table["pressure"] = (2 * kinetic + virial) / (d * scene.volume()) + tail_pressure
+    return table
+
+
+def _of_hard_spheres(scene: Scene, run: Run) -> dict[str, Floats]:
+    table: dict[str, Floats] = {}
+    d, rotates = scene.dimension, scene.spin_dimension > 0
+    fixed = int(scene.fixed().sum())
+    free = set(scene.boundaries) == {"periodic"} and not fixed
+    kinetic, rotational = run.get("kinetic_energy"), run.get("rotational_energy")
+    if kinetic is not None and (rotational is not None or not rotates):
+        translation = kinetic if rotational is None else kinetic - rotational
+        degrees = scene.number - 1 if free and scene.acceleration is None else scene.number - fixed
+        table["temperature"] = 2 * translation / (d * max(degrees, 1))
+    virial, integral = run.get("collisional_virial"), run.get("kinetic_energy_integral")
+    if free and not rotates and virial is not None and integral is not None:
+        span = np.where(run["time"] > 0, run["time"], np.nan)
+        table["pressure"] = (2 * integral + virial) / (d * scene.volume() * span)
+    return table
+
+
+def _of_lattice_gas(scene: Scene, run: Run) -> dict[str, Floats]:
+    table: dict[str, Floats] = {}
+    populations = run.get("populations")
+    if populations is not None:
+        whole = populations.sum(axis=(1, 2))
+        momentum = whole @ gas_model(scene).velocities.cartesian
+        table |= {"mass": whole.sum(axis=1), "momentum_x": momentum[:, 0], "momentum_y": momentum[:, 1]}
+    impulse, h_function = run.get("force_impulse"), run.get("h_function")
+    if impulse is not None:
+        table["force_impulse"] = impulse.sum(axis=1)
+    if h_function is not None:
+        table["h_function"] = h_function
+    return table
+
+
+def _columns(scene: Scene, name: str, values: Floats) -> dict[str, Floats]:
+    """An observable (samples, ...) as columns (samples,), named by the axes that the table gives it."""
+    found = {name: values}
+    for axis in TABLE[name].axes[1:]:
+        found = {
+            _column(axis, column, label): rows[:, k]
+            for column, rows in found.items()
+            for k, label in enumerate(_labels(scene, axis, rows.shape[1]))
+            if label
+        }
+    return found
+
+
+def _column(axis: str, column: str, label: str) -> str:
+    """Name of a column of an array along an axis: "wall_impulse[x-]", and "wall_impulse[x-].y" along the next."""
+    if axis == "operation":
+        return label
+    return f"{column}.{label}" if axis == "axis" else f"{column}[{label}]"
+
+
+def _labels(scene: Scene, axis: str, number: int) -> list[str]:
+    """What the places along an axis are called; "" for a face that is not there."""
+    if axis == "axis":
+        return list(AXES[:number])
+    if axis == "operation":
+        return list(OPERATIONS)
+    if axis == "face":
+        there = [*(face is not None for face in scene.faces), True]  # the last is the cylinder
+        return [face if there[k] else "" for k, face in enumerate(face_names(scene))]
+    return [str(k) for k in range(number)]
+
+
+def _tails(scene: Scene) -> tuple[float, float]:
+    """Energy and pressure of the pairs beyond the cutoff, zero unless the scene asks for them."""
+    if scene.lennard_jones is None or not scene.lennard_jones.tail_corrections:
+        return 0.0, 0.0
+    from crosscheck.references.lennard_jones import tail_corrections
+
+    try:
+        return tail_corrections(scene)
+    except ValueError as error:
+        raise UsageError(f"scene {scene.name}: lennard_jones.tail_corrections: {error}") from None
+
+
+# -- the CSV file --------------------------------------------------------------------------------------------
+
+_MEANINGS = {
+    "temperature": "temperature = 2 kinetic_energy/(d (N - 1)), an energy: k_B T; for N = 1 it is 2 kinetic_energy/d",
+    "pressure": "pressure = (2 kinetic_energy + virial)/(d V)",
+}
+_HARD_MEANINGS = {
+    "temperature": "temperature = 2 K/(d N), K of the translation of the N that move; N - 1 if momentum is conserved",
+    "pressure": "pressure = (2 kinetic_energy_integral + collisional_virial)/(d V time), the mean since the start",
+}
+
+
+def write_observables(path: Path, scene: Scene, method: Method, result: Result) -> Path:
+    """Writes the table of a result to `path`, after comments (#) on what its columns are; returns `path`.
+
+    CSV with a header line; 17 significant digits, so that reading it back gives the same numbers. scene, method: what
+    was run.
+    """
+    tails = scene.lennard_jones is not None and scene.lennard_jones.tail_corrections
+    meanings = _MEANINGS if scene.hard_spheres is None else _HARD_MEANINGS
+    what, units = (
+        f"{scene.number} particles in {scene.dimension} dimensions",
+        "totals, in the scene's own units (SI, or reduced): time, energy, pressure = energy/length^d",
+    )
+    if scene.lattice_gas is not None:
+        gas = scene.lattice_gas
+        what, units = (
+            f"{gas.model}, {gas.columns} x {gas.rows} sites",
+            "totals: time in steps, lengths in links, mass 1",
+        )
+    comments = [
+        f"scene {scene.name}: {what}",
+        f"{result.engine} {result.version}, {method_label(method)}",
+        units,
+        *(text for name, text in meanings.items() if name in result.table),
+        *(_meaning(name) for name in scene.output.observables if scene.lattice_gas is None and name not in _USED),
+        *(["potential_energy and pressure contain the tail corrections"] if tails else []),
+        *(["the run diverged: not a number from there on"] if result.run.diverged else []),
+        *([f"the run stopped: {result.run.stopped}"] if result.run.stopped else []),
+    ]
+    rows = np.column_stack(list(result.table.values()))
+    header = "".join(f"# {comment}\n" for comment in comments) + ",".join(result.table)
+    np.savetxt(path, rows, fmt="%.17g", delimiter=",", header=header, comments="")
+    return path
+
+
+def _meaning(name: str) -> str:
+    """What the table of observables says of one."""
+    row = TABLE[name]
+    return f"{name}: {row.meaning}{', since the start' if row.cumulative else ''} (unit: {row.unit})"
+
+
+def method_label(method: Method) -> str:
+    """The scheme with its time step and how soft it makes hard spheres: "verlet, dt = 0.01, k = 1000.0"."""
+    contact, dt = method.contact, None if method.dt is None else f"{method.dt!r}"
+    softness = ""
+    if contact is not None:
+        softness = f", k = {contact.stiffness!r}" if contact.duration is None else f", t_c = {contact.duration!r}"
+        dt = dt or f"{contact.resolution!r} t_c"
+    return method.scheme + (f", dt = {dt}" if dt else "") + softness

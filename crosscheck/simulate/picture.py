@@ -1,0 +1,334 @@
+"""The picture of a run: a column an engine, with particles or field above the energies; below, how far two differ."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from crosscheck.engines.protocol import Run
+from crosscheck.figure import Frame, RoundFrame, Snapshot
+from crosscheck.painter import LARGEST, Extent, bounds, colours, outlines, paint
+from crosscheck.scene import Floats, Method, Scene
+from crosscheck.scene.lattice_gas import gas_model
+from crosscheck.simulate.observables import Result, method_label
+from crosscheck.simulate.trajectory import in_space
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+#: Up to so many particles are drawn as trajectories, more as a configuration.
+FEW = 10
+_ENERGIES = ("kinetic_energy", "potential_energy", "total_energy", "rotational_energy")
+#: Side of the picture of the particles, about, in points.
+_SIDE = 250.0
+#: Free space about particles and box, and the diameter of particles without a size, as shares of the picture.
+_MARGIN, _POINT = 0.02, 0.01
+_GREY, _OUTLINE, _WALL = "#bbbbbb", "#333333", "#222222"
+_COLOURS = ("#0067a8", "#d04f00", "#00846a", "#a8327f", "#8f6c00", "#3a2a8c")
+
+
+def draw_picture(
+    out: Path, scene: Scene, method: Method, results: list[Result], differences: dict[str, Floats]
+) -> list[Path]:
+    """Writes picture.png and picture.svg to the directory `out`; returns their paths.
+
+    results: runs of `scene` with `method`, one an engine. differences: name -> (samples,), see `run.differences`;
+    empty unless there are two.
+    """
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    energies = any(_energies(result) for result in results)
+    heights = [4.2] + [2.6] * energies + [2.6] * bool(differences)
+    style: Any = {
+        "svg.hashsalt": "crosscheck",
+        "svg.fonttype": "none",
+        "font.size": 10,
+        "axes.grid": True,
+        "grid.alpha": 0.3,
+    }
+    above: dict[str, Any] = {
+        "fontsize": 8, "ncols": 3, "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False,
+        "columnspacing": 1.2, "handlelength": 1.5,
+    }  # fmt: skip
+    with matplotlib.rc_context(style), np.errstate(all="ignore"):
+        figure = Figure(figsize=(max(5.5, 4.6 * len(results)), sum(heights) + 0.5), layout="constrained")
+        FigureCanvasAgg(figure)
+        figure.suptitle(f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}")
+        grid = figure.add_gridspec(len(heights), len(results), height_ratios=heights)
+        energy_axes: Axes | None = None
+        for column, result in enumerate(results):
+            axes = figure.add_subplot(grid[0, column])
+            state = " (diverged)" if result.run.diverged else " (stopped)" if result.run.stopped else ""
+            axes.set_title(result.engine + state, fontsize=10)
+            draw_configuration(axes, scene, result.run)
+            if energies:
+                energy_axes = figure.add_subplot(grid[1, column], sharey=energy_axes)
+                for colour, (name, values) in zip(_COLOURS, _energies(result).items(), strict=False):
+                    energy_axes.plot(
+                        result.run["time"], values, color=colour, linewidth=1, label=name.replace("_", " ")
+                    )
+                energy_axes.set(xlabel="time", ylabel="energy")
+                energy_axes.legend(**above)
+        if differences:
+            axes = figure.add_subplot(grid[-1, :])
+            for colour, (name, values) in zip(_COLOURS, differences.items(), strict=False):
+                axes.plot(
+                    results[0].run["time"], np.where(values > 0, values, np.nan), color=colour, linewidth=1, label=name
+                )
+            axes.set(xlabel="time", ylabel=f"|{results[0].engine} - {results[1].engine}|", yscale="log")
+            axes.legend(**above)
+        paths = [out / "picture.png", out / "picture.svg"]
+        figure.savefig(paths[0], dpi=130, metadata={"Software": None})
+        figure.savefig(paths[1], metadata={"Date": None, "Creator": None})
+    return paths
+
+
+def _end(scene: Scene, results: list[Result]) -> float:
+    """Time of the last sample of a run that ends at a number of collisions; the duration of any other."""
+    if scene.output.collisions is None:
+        return scene.duration
+    return max(float(np.nanmax(result.run["time"])) for result in results)
+
+
+def _energies(result: Result) -> dict[str, Floats]:
+    return {name: result.table[name] for name in _ENERGIES if name in result.table}
+
+
+def draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
+    """What a run of `scene` looks like.
+
+    A lattice gas as the field of its speed; few particles without a size as trajectories, in one dimension against
+    time; all others as disks at the end of the run, with the paths of those that move if they are few hard disks.
+    """
+    positions = run.get("positions")
+    if scene.lattice_gas is not None:
+        _draw_lattice_gas(axes, scene, run)
+    elif scene.number <= FEW and positions is not None and not _are_disks(scene):
+        _draw_trajectories(axes, scene, run["time"], positions)
+    else:
+        moving = ~scene.fixed()
+        if _are_disks(scene) and moving.sum() <= FEW and positions is not None:
+            _draw_paths(axes, positions[:, moving], scene.periods())
+        _draw_snapshot(axes, scene, run)
+
+
+def _are_disks(scene: Scene) -> bool:
+    """Hard disks: what is seen is all there is of them."""
+    return scene.hard_spheres is not None and scene.dimension == 2
+
+
+# -- particles -----------------------------------------------------------------------------------------------
+
+
+def _draw_snapshot(axes: Axes, scene: Scene, run: Run) -> None:
+    """Particles at the end among their walls, coloured by speed; fixed ones, and those without a finite speed, grey."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import EllipseCollection, LineCollection
+    from matplotlib.colors import ListedColormap, Normalize
+    from matplotlib.patches import Circle
+
+    snapshot = asdict(snapshot_of(scene, run))
+    view = _view(scene, snapshot)
+    left, right, bottom, top = view
+    periods = scene.periods()
+    painting = paint(snapshot, view, _SIDE / view.size, (periods[0], periods[1:2].sum()))
+    if painting.disks:
+        sizes = [2 * disk.radius for disk in painting.disks]
+        disks = EllipseCollection(
+            sizes,
+            sizes,
+            np.zeros(len(sizes)),
+            units="xy",
+            offsets=[(disk.x, disk.y) for disk in painting.disks],
+            offset_transform=axes.transData,
+            facecolors=[colours()[disk.level] if disk.level >= 0 else _GREY for disk in painting.disks],
+            # a line lies half within the disk
+            linewidths=[0.5 * disk.outline for disk in painting.disks],
+            edgecolors=_OUTLINE,
+        )
+        axes.add_collection(disks)
+    if painting.lost:
+        axes.plot(*zip(*painting.lost, strict=True), "x", color=_WALL, clip_on=False)
+    if scene.box is not None:
+        lines = outlines(snapshot["container"])
+        for x0, y0, x1, y1 in lines.walls:
+            axes.plot([x0, x1], [y0, y1], color=_WALL, linewidth=2, solid_capstyle="projecting")
+        # where the box is periodic, the picture ends
+        sides = [((x0, y0), (x1, y1)) for x0, y0, x1, y1 in lines.sides if not periods[0 if x0 == x1 else 1]]
+        if sides:
+            axes.add_collection(LineCollection(sides, colors=_WALL, linewidths=0.8, linestyles="dashed"))
+        if lines.circle is not None:
+            x, y, radius = lines.circle
+            axes.add_patch(Circle((x, y), radius, fill=False, linewidth=2, edgecolor=_WALL))
+    if painting.limits is not None:
+        scale = ScalarMappable(Normalize(*painting.limits), ListedColormap(colours()))
+        assert axes.figure is not None
+        axes.figure.colorbar(scale, ax=axes, label=snapshot["value_label"], shrink=0.8)
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+    axes.set_xlabel("\n".join(["x", *painting.lost_remarks]))
+    axes.set_ylabel("y (far particles are smaller)" if scene.dimension == 3 else "y")
+    axes.grid(False)
+
+
+def snapshot_of(scene: Scene, run: Run) -> Snapshot:
+    """The particles of a run at its end, seen along z, those in front last; coloured by speed.
+
+    In the plane hard disks and Lennard-Jones particles have their own size; all others a size that their number leaves
+    room for, in space smaller with their distance. Without a box the container is the smallest frame around them.
+    """
+    positions, velocities = run["final_positions"], run["final_velocities"]
+    periods = scene.periods()
+    r = in_space(positions - _image(positions, periods) * periods)
+    value = np.where(scene.fixed(), np.nan, np.linalg.norm(velocities, axis=1))
+    container = _container(scene, r)
+    radius = _radii(scene, bounds(asdict(container)).size)
+    if scene.dimension == 3:
+        far, near = _range(r[:, 2])
+        depth = np.where(abs(r[:, 2]) < LARGEST, (r[:, 2] - far) / (near - far), 0.0)
+        radius = radius * np.sqrt(0.4 + 0.6 * depth)
+    order = np.argsort(r[:, 2], kind="stable")
+    fastest = max((speed for speed in value.tolist() if abs(speed) < LARGEST), default=0.0)
+    return Snapshot(
+        r[order, 0].tolist(),
+        r[order, 1].tolist(),
+        radius[order].tolist(),
+        container,
+        value[order].tolist(),
+        "speed",
+        # grains come to rest, a fluid does not: its colours span the speeds there are
+        (0.0, fastest or 1.0) if _are_disks(scene) else None,
+    )
+
+
+def _container(scene: Scene, r: Floats) -> Frame | RoundFrame:
+    """What particles at r (N, 3) are in: the box, a cylinder seen along its axis, or the smallest frame around them."""
+    lengths = scene.lengths()
+    if scene.box is None or lengths is None:
+        left, right = _range(r[:, 0])
+        bottom, top = _range(r[:, 1])
+        return Frame(left, right, bottom, top, ())
+    if scene.box.cylinder is not None and scene.across == (0, 1):
+        return RoundFrame(float(lengths[0]) / 2, float(lengths[1]) / 2, scene.box.cylinder.radius)
+    sides: tuple[Literal["left", "right", "bottom", "top"], ...] = ("left", "right", "bottom", "top")
+    walls = tuple(
+        side
+        for number, side in enumerate(sides)
+        if scene.boundaries[number // 2] == "wall" or (scene.faces and scene.faces[number] is not None)
+    )
+    return Frame(0.0, float(lengths[0]), 0.0, float(lengths[1]), walls)
+
+
+def _range(x: Floats) -> tuple[float, float]:
+    """Smallest and largest of the finite coordinates in x (N,), with some room where they are all equal."""
+    finite = x[abs(x) < LARGEST]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    return (low, high) if high > low else (low - 0.5 * (abs(low) or 1.0), low + 0.5 * (abs(low) or 1.0))
+
+
+def _radii(scene: Scene, size: float) -> Floats:
+    """Radii (N,) to draw in a container of this size: half of diameter or sigma in the plane, else by the number."""
+    diameters, number = scene.diameters(), scene.number
+    if scene.dimension == 2 and diameters is not None:
+        return np.where(diameters > 0, diameters, _POINT * size) / 2
+    if scene.dimension == 2 and scene.lennard_jones is not None:
+        sigma = np.atleast_1d(scene.lennard_jones.length)
+        if scene.lennard_jones.length_form == "r_m":
+            sigma = sigma / 2 ** (1 / 6)
+        if sigma.size == 1 or scene.species is None:
+            return np.full(number, sigma[0] / 2)
+        return sigma[list(scene.species)] / 2
+    return np.full(number, min(0.022, 0.31 * number**-0.5) * size)
+
+
+def _view(scene: Scene, snapshot: dict[str, Any]) -> Extent:
+    """What is seen: the container and the particles, with a margin, but to the edge of the box where it is periodic."""
+    x, y, radius = (np.array(snapshot[name]) for name in ("x", "y", "radius"))
+    left, right, bottom, top = bounds(snapshot["container"])
+    found = []
+    for centres, low, high, period in zip((x, y), (left, bottom), (right, top), (*scene.periods(), 0.0), strict=False):
+        there = abs(centres) < LARGEST
+        if not period and there.any():
+            low = min(low, float((centres - radius)[there].min()))
+            high = max(high, float((centres + radius)[there].max()))
+        found += [low, high]
+    seen = Extent(*found)
+    margin = _MARGIN * seen.size
+    across, up = (0.0 if period else margin for period in (*scene.periods(), 0.0)[:2])
+    if scene.box is None:
+        # room for the labels of the shorter axis
+        across += max(0.0, 0.25 * seen.size - 0.5 * (seen.right - seen.left))
+        up += max(0.0, 0.25 * seen.size - 0.5 * (seen.top - seen.bottom))
+    left, right, bottom, top = seen
+    return Extent(left - across, right + across, bottom - up, top + up)
+
+
+def _image(positions: Floats, periods: Floats) -> Floats:
+    """Which copy of the periodic box the positions are in, per axis; 0 where it is not periodic."""
+    return np.where(periods > 0, np.floor(positions / np.where(periods > 0, periods, 1.0)), 0.0)
+
+
+def _draw_paths(axes: Axes, positions: Floats, periods: Floats) -> None:
+    """Paths from sample to sample, brought back into the periodic box and broken where they leave it."""
+    for particle in range(positions.shape[1]):
+        path = positions[:, particle]
+        image = _image(path, periods)
+        breaks = np.flatnonzero((np.diff(image, axis=0) != 0).any(axis=1)) + 1
+        path = np.insert(path - image * periods, breaks, np.nan, axis=0)
+        axes.plot(path[:, 0], path[:, 1], color=_COLOURS[particle % len(_COLOURS)], linewidth=1)
+
+
+def _draw_trajectories(axes: Axes, scene: Scene, time: Floats, positions: Floats) -> None:
+    for particle in range(scene.number):
+        path = positions[:, particle]
+        colour = _COLOURS[particle % len(_COLOURS)]
+        across, up = (time, path[:, 0]) if scene.dimension == 1 else (path[:, 0], path[:, 1])
+        axes.plot(across, up, color=colour, linewidth=1)
+        good = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
+        if good.size:
+            axes.plot(across[good[-1]], up[good[-1]], "o", color=colour, markersize=5)
+    if scene.dimension == 1:
+        axes.set(xlabel="time", ylabel="x")
+    else:
+        axes.set(xlabel="x", ylabel="y")
+        axes.set_aspect("equal", adjustable="datalim")
+
+
+# -- lattice gases -------------------------------------------------------------------------------------------
+
+
+def _draw_lattice_gas(axes: Axes, scene: Scene, run: Run) -> None:
+    """Speed of the blocks at the last sample, with arrows, and the walls."""
+    gas = scene.lattice_gas
+    assert gas is not None
+    velocities = gas_model(scene).velocities
+    height = gas.rows * velocities.row_height
+    axes.set(xlim=(0, gas.columns), ylim=(0, height), xlabel="x", ylabel="y", aspect="equal")
+    axes.grid(False)
+    populations = run.get("populations")
+    if populations is not None:
+        counts = populations[-1]
+        mass = counts.sum(axis=-1)
+        u = counts @ velocities.cartesian / np.where(mass > 0, mass, np.nan)[..., None]
+        speed = np.linalg.norm(u, axis=-1)
+        image = axes.imshow(speed.T, origin="lower", extent=(0, gas.columns, 0, height), aspect="equal")
+        assert axes.figure is not None
+        axes.figure.colorbar(image, ax=axes, label="speed", shrink=0.8)
+        each = max(1, max(speed.shape) // 24)
+        x = (np.arange(speed.shape[0]) + 0.5) * gas.columns / speed.shape[0]
+        y = (np.arange(speed.shape[1]) + 0.5) * height / speed.shape[1]
+        axes.quiver(
+            *np.meshgrid(x[::each], y[::each]),
+            u[::each, ::each, 0].T,
+            u[::each, ::each, 1].T,
+            color="white",
+            width=0.003,
+        )
+    walls = scene.wall_rules()
+    if walls is not None:
+        rows, columns = np.nonzero(walls)
+        axes.plot(columns, rows * velocities.row_height, ",", color="#d04f00")

@@ -1,0 +1,138 @@
+"""Trajectories of a run as files: the table of formats, and their writers.
+
+To add a format: one record of `FORMATS`, with its writer, in this file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.engines.protocol import Run
+from crosscheck.scene import Floats, Scene
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """N particles in space at S times, up to the last sample that is finite.
+
+    A scene of fewer dimensions lies in the plane or on the axis, and turns about z: components that it has not are 0.
+    Units are the scene's own.
+
+    time: (S,). positions: (S, N, 3), not wrapped into the box. cell: (3,), its sides, 0 where there is none. periodic:
+    (3,). masses: (N,). species: (N,), or None if the scene tells no species apart. more: name -> (S, N, 3) vectors or
+    (N,) constants, those of `QUANTITIES` that the run recorded.
+    """
+
+    time: Floats
+    positions: Floats
+    cell: Floats
+    periodic: NDArray[np.bool_]
+    masses: Floats
+    species: NDArray[np.int64] | None
+    more: dict[str, Floats]
+
+
+#: What a format may hold beside positions, times, cell, masses and species: vectors of each particle at each time, and
+#: the radii of hard spheres.
+QUANTITIES = ("velocities", "radius", "angular_velocities")
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format of trajectories.
+
+    suffix: of its files, without the dot; its name at the same time. write(path, trajectory): writes the file. holds:
+    which of `QUANTITIES` it can hold; the writer gets no others.
+    """
+
+    suffix: str
+    write: Callable[[Path, Trajectory], None]
+    holds: tuple[str, ...]
+
+
+def write_trajectories(directory: Path, name: str, scene: Scene, run: Run) -> list[Path]:
+    """Writes the trajectory of a run of `scene` in every format as trajectory-`name`.<suffix>; returns the paths.
+
+    None of a run without a trajectory; up to the last good sample of one that diverged or stopped.
+    """
+    trajectory = trajectory_of(scene, run)
+    if trajectory is None:
+        return []
+    paths = []
+    for form in FORMATS:
+        path = directory / f"trajectory-{name}.{form.suffix}"
+        held = {name: values for name, values in trajectory.more.items() if name in form.holds}
+        form.write(path, replace(trajectory, more=held))
+        paths.append(path)
+    return paths
+
+
+def trajectory_of(scene: Scene, run: Run) -> Trajectory | None:
+    """The trajectory that a run of `scene` recorded; None if it recorded none."""
+    positions, velocities = run.get("positions"), run.get("velocities")
+    spins = run.get("angular_velocities")
+    if positions is None:
+        return None
+    state = scene.initial_state()
+    cell, periodic = np.zeros(3), np.zeros(3, dtype=bool)
+    if state.lengths is not None:
+        cell[: scene.dimension] = state.lengths
+        periodic[: scene.dimension] = [boundary == "periodic" for boundary in scene.boundaries]
+    good = _good_samples(positions if velocities is None else np.concatenate([positions, velocities], axis=2))
+    more: dict[str, Floats] = {}
+    if velocities is not None:
+        more["velocities"] = in_space(velocities[:good])
+    if state.diameters is not None:
+        more["radius"] = state.diameters / 2
+    if spins is not None:
+        more["angular_velocities"] = np.pad(spins[:good], ((0, 0), (0, 0), (3 - spins.shape[2], 0)))
+    return Trajectory(run["time"][:good], in_space(positions[:good]), cell, periodic, state.masses, state.species, more)
+
+
+def _good_samples(samples: Floats) -> int:
+    """How many samples (S, N, k) there are before the first with a number that is not finite."""
+    good = np.isfinite(samples).all(axis=(1, 2))
+    return good.size if good.all() else int(np.argmin(good))
+
+
+def in_space(vectors: Floats) -> Floats:
+    """(..., d) as (..., 3), zeros along the axes that a scene of d dimensions has not."""
+    return np.pad(vectors, ((0, 0),) * (vectors.ndim - 1) + ((0, 3 - vectors.shape[-1]),))
+
+
+# -- writers -------------------------------------------------------------------------------------------------
+
+
+def write_extxyz(path: Path, trajectory: Trajectory) -> None:
+    """Extended XYZ, which ASE and OVITO read: eight decimals, positions not wrapped.
+
+    Species 0, 1, ... are named H, He, ...; without species the particles are called X. Momenta are there too, for ASE.
+    """
+    import ase
+    import ase.io
+
+    number = len(trajectory.masses)
+    kinds = np.zeros(number, dtype=int) if trajectory.species is None else trajectory.species + 1
+    frames = []
+    for sample, time in enumerate(trajectory.time):
+        positions = trajectory.positions[sample]
+        atoms = ase.Atoms(
+            kinds, positions=positions, cell=trajectory.cell, pbc=trajectory.periodic, info={"time": float(time)}
+        )
+        atoms.set_masses(trajectory.masses)
+        for name, values in trajectory.more.items():
+            now = values if values.ndim == 1 else values[sample]
+            if name == "velocities":
+                atoms.set_velocities(now)
+            atoms.new_array(name, now)
+        frames.append(atoms)
+    ase.io.write(path, frames, format="extxyz")
+
+
+#: Every format in which `simulate` writes a trajectory.
+FORMATS = (Format("extxyz", write_extxyz, holds=("velocities", "radius", "angular_velocities")),)
