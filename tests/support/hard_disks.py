@@ -28,4 +28,11 @@ def fall(scene, **more):
     state, time = scene.initial_state(), scene.samples()
     positions = state.positions + state.velocities * time[:, None, None]
     velocities = np.broadcast_to(state.velocities, positions.shape)
-    return Run(time, positions[-1], state.velocities, positions, velocities, **more)
+    return Run(
+        time=time,
+        final_positions=positions[-1],
+        final_velocities=state.velocities,
+        positions=positions,
+        velocities=velocities,
+        **more,
+    )

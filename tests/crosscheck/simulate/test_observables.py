@@ -25,7 +25,12 @@ def small_fluid(**lennard_jones):
 
 def run_of(scene, **arrays):
     zeros = np.zeros((scene.number, scene.dimension))
-    return Run(np.zeros(1), zeros, zeros, **{name: np.array([value]) for name, value in arrays.items()})
+    return Run(
+        {name: np.array([value]) for name, value in arrays.items()},
+        time=np.zeros(1),
+        final_positions=zeros,
+        final_velocities=zeros,
+    )
 
 
 def test_observables_follow_their_definitions():
@@ -57,7 +62,7 @@ def test_observables_of_hard_spheres():
     ones = np.ones(3)
     tallies = {"collisional_virial": 6 * ones, "kinetic_energy_integral": np.array([0.0, 5.0, 10.0])}
     asked = Output(interval=1.0, observables=("kinetic_energy", *tallies))
-    table = observables(scene.changed(output=asked), fall(scene, kinetic_energy=5 * ones, tallies=tallies))
+    table = observables(scene.changed(output=asked), fall(scene, kinetic_energy=5 * ones, **tallies))
     assert list(table) == ["time", "kinetic_energy", "temperature", "pressure", *tallies]
     assert table["temperature"] == pytest.approx(2 * 5 / (2 * 11))
     assert table["pressure"][1:] == pytest.approx([(2 * 5 + 6) / (2 * 30), (2 * 10 + 6) / (2 * 30 * 2)])
@@ -70,7 +75,7 @@ def test_the_temperature_of_grains_is_that_of_their_translation():
     scene = disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)))
     ones = np.ones(3)
     assert "temperature" not in observables(scene, fall(scene, kinetic_energy=ones))
-    run = fall(scene, kinetic_energy=ones, tallies={"rotational_energy": 0.25 * ones})
+    run = fall(scene, kinetic_energy=ones, rotational_energy=0.25 * ones)
     assert observables(scene, run)["temperature"] == pytest.approx(2 * 0.75 / (2 * 2))
 
 
@@ -87,7 +92,7 @@ def test_columns_of_tallies():
         "wall_energy": np.stack([numbers[:, 0]] * 3),
         "operation_counts": np.ones((3, 6)),
     }
-    table = observables(scene, fall(scene, tallies=tallies))
+    table = observables(scene, fall(scene, **tallies))
     assert list(table) == ["time", "wall_impulse[y-].x", "wall_impulse[y-].y", "wall_energy[y-]", *OPERATIONS]
     assert (table["wall_impulse[y-].y"] == 5).all()
     assert (table["wall_energy[y-]"] == 4).all()
@@ -99,3 +104,13 @@ def test_why_a_run_stopped_is_in_the_table(tmp_path):
     result = Result("refimpl", "1", run, observables(scene, run))
     text = write_observables(tmp_path / "o.csv", scene, EVENTS, result).read_text()
     assert "# the run stopped: inelastic collapse of particles 0 and 1 at t = 0.5\n" in text
+
+
+def test_the_table_of_observables_names_columns_and_says_what_they_are(tmp_path):
+    scene = disks(output=Output(interval=1.0, observables=("momentum", "collisions")))
+    run = fall(scene, momentum=np.arange(6.0).reshape(3, 2), collisions=np.arange(3.0))
+    result = Result("refimpl", "1", run, observables(scene, run))
+    assert list(result.table) == ["time", "momentum.x", "momentum.y", "collisions"]
+    text = write_observables(tmp_path / "o.csv", scene, EVENTS, result).read_text()
+    assert "# momentum: sum of m v (unit: momentum)\n" in text
+    assert "# collisions: number of collisions of pairs, since the start (unit: none)\n" in text

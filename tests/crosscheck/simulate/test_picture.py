@@ -70,7 +70,7 @@ def fluid(dimension, **lennard_jones):
         ),
     )
     state = scene.initial_state()
-    return scene, Run(np.zeros(1), state.positions, state.velocities)
+    return scene, Run(time=np.zeros(1), final_positions=state.positions, final_velocities=state.velocities)
 
 
 def test_particles_in_the_plane_have_their_size():
@@ -91,8 +91,8 @@ def test_far_particles_are_smaller_and_behind():
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_run_that_lost_its_particles_has_a_picture(tmp_path, dimension):
     scene, run = fluid(dimension)
-    run.final_positions = np.full_like(run.final_positions, np.nan)
-    run.final_positions[0] = np.inf
+    run["final_positions"] = np.full_like(run["final_positions"], np.nan)
+    run["final_positions"][0] = np.inf
     result = Result("refimpl", "1", run, observables(scene, run))
     paths = draw_picture(tmp_path, scene, EVENTS, [result], {})
     assert "16 particles outside the picture or not finite" in paths[-1].read_text()

@@ -35,7 +35,7 @@ def test_every_shipped_scene_is_whole(name):
     assert scene.name == name
     scene.initial_state()
     claims = engine_class("refimpl").schemes[scene.method.scheme]
-    if not claims.stepping:
+    if not claims.takes_dt:
         assert scene.method.dt is None
         assert len(scene.samples()) > 1
     else:

@@ -12,7 +12,7 @@ def test_a_trajectory_has_radii_and_spins(tmp_path):
 
     scene = disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)))
     run = fall(scene, angular_velocities=np.full((3, 3, 1), 2.5))
-    run.positions[2] = np.nan  # stopped
+    run["positions"][2] = np.nan  # stopped
     frames = ase.io.read(*write_trajectories(tmp_path, "refimpl", scene, run), ":")
     assert len(frames) == 2
     assert frames[1].arrays["radius"].tolist() == [0.5] * 3
