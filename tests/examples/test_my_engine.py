@@ -1,5 +1,7 @@
 """The worked example of one's own engine runs in a worker and is right."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,6 +10,7 @@ import pytest
 
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import Unsupported
+from crosscheck.record import read
 from crosscheck.scene import Explicit, Gravity, Kepler, LennardJones, Method, Output, Scene, Spring
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "my_engine.py"
@@ -66,5 +69,25 @@ def test_refuses_what_it_cannot_do(worker: Worker) -> None:
         lennard_jones=LennardJones(cutoff=2.5),
         initial=Explicit(positions=((0.0, 0.0, 0.0), (1.2, 0.0, 0.0))),
     )
-    with pytest.raises(Unsupported, match="springs and gravity only"):
+    with pytest.raises(Unsupported, match=r"is for \[gravity\] and \[spring\], not for \[lennard_jones\]"):
         worker.run(scene, STEP)
+
+
+def test_the_readme_s_command_judges_it(tmp_path: Path) -> None:
+    """As the README says it: from the root of the project, all checks of the quick tier that its declarations match."""
+    command = "crosscheck run --engine examples/my_engine.py:MyEngine"
+    assert command in (EXAMPLE.parents[1] / "README.md").read_text(encoding="utf-8")
+    _, *words = command.split()
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "crosscheck.cli", *words, "-o", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=EXAMPLE.parents[1],
+        timeout=300,
+    )
+    lines = read(tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert {line["outcome"] for line in lines} == {"pass"}
+    assert {line["check"].partition("/")[0] for line in lines} <= {"stepping", "performance"}
+    assert len(lines) > 10
