@@ -63,7 +63,7 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
 
 def unmatched(check: Check, name: str, engine: type[Engine]) -> str | None:
     """None if the check judges this engine; else what the engine lacks, or that the check compares with it."""
-    if name == check.reference:
+    if name in (check.reference if isinstance(check.reference, tuple) else (check.reference,)):
         return "it is what the check compares with"
     for needs in check.needs if isinstance(check.needs, tuple) else (check.needs,):
         reason = lacks(engine, needs)

@@ -86,8 +86,8 @@ class Check:
 
     name: `group/phenomenon`; a variant (a scheme, an eccentricity ...) is appended to it. judge: measures one variant,
     given its value. variants: see `Variants`. needs: what an engine must declare to be judged, own or foreign; several:
-    all of them. faults: (variant, planted bug of `refimpl` that must turn it red). reference: an engine that this check
-    compares with, and therefore does not judge. timing: run alone, nothing else beside it.
+    all of them. faults: (variant, planted bug of `refimpl` that must turn it red). reference: engines, one or several,
+    that this check compares with, and therefore does not judge. timing: run alone, nothing else beside it.
     """
 
     name: str
@@ -99,7 +99,7 @@ class Check:
     variants: Variants
     faults: tuple[tuple[str, Fault], ...]
     needs: Needs | tuple[Needs, ...]
-    reference: str | None = None
+    reference: str | tuple[str, ...] | None = None
     timing: bool = False
 
     def offered(self, schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:

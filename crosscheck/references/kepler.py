@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -144,6 +145,24 @@ def kick_drift(r: Floats, v: Floats, mu: float) -> Floats:
 Modified = Callable[[Floats, Floats, float], Floats]
 
 
+class Shadow(NamedTuple):
+    """What a symplectic map of step dt conserves better than the energy: H + dt^power correction, to dt^(power + gain).
+
+    correction: of (r, v, mu), r and v of shape (..., 2). gain: 2 for a reversible map, whose modified Hamiltonian has
+    even powers of dt alone, else 1.
+    """
+
+    correction: Modified
+    power: int
+    gain: int
+
+
+#: Of velocity Verlet, and of Verlet and leap-frog read out at whole steps; of position Verlet; of symplectic Euler.
+KICK_DRIFT_KICK = Shadow(kick_drift_kick, 2, 2)
+DRIFT_KICK_DRIFT = Shadow(drift_kick_drift, 2, 2)
+KICK_DRIFT = Shadow(kick_drift, 1, 1)
+
+
 def precession(eccentricity: float, n_dt: float) -> float:
     """Turn of the apsides, in radians per radian of mean anomaly, under leap-frog steps; to leading order in n dt.
 
@@ -155,6 +174,24 @@ def precession(eccentricity: float, n_dt: float) -> float:
     """
     e2 = eccentricity**2
     return -(n_dt**2) * (4.0 + e2) / (16.0 * (1.0 - e2) ** 3)
+
+
+# -- what Gear's schemes make of a start without higher derivatives ----------------------------------------------------
+
+
+def zero_start_orbit(time: ArrayLike, eccentricity: float, a: float, mu: float, dt: float) -> tuple[Floats, Floats]:
+    """r(t), v(t), shape (..., 2), of the orbit that Gear's schemes follow if r_3 = d^3r/dt^3 and higher start as zero.
+
+    In the limit of small steps dt, the missing third derivative leaves the velocity off by -dt^2 r_3(0)/12 for ever
+    (the left eigenvector of the Nordsieck step that measures the velocity is (0, 1, 1, 1/2, 0, ...), whatever the
+    corrector), and the missing fourth nothing. At apocentre r_3 = -mu v/r^3: the body starts too fast by
+    mu v dt^2/(12 r^3). What is left out is of order dt^4. Source: C. W. Gear, Numerical Initial Value Problems in
+    Ordinary Differential Equations, Prentice-Hall (1971); the derivation is in docs/kepler.md.
+    """
+    r0, v0 = a * (1 + eccentricity), np.sqrt(mu * (1 - eccentricity) / (a * (1 + eccentricity)))
+    v = v0 * (1 + mu * dt**2 / (12 * r0**3))
+    axis = 1 / (2 / r0 - v**2 / mu)
+    return relative_orbit(time, r0 / axis - 1, axis, mu)
 
 
 # -- what rounding does ------------------------------------------------------------------------------------------------
@@ -173,6 +210,24 @@ def rounding_error(eccentricity: float, periods: float, steps: float) -> float:
     to its elements. The share of the mean motion grows with T - t: the sum goes as steps^(1/2) periods (Brouwer).
     """
     return EPSILON * (steps / 12.0) ** 0.5 * _carried(eccentricity, periods)
+
+
+def energy_rounding(eccentricity: float, periods: float, per_period: float) -> float:
+    """Bound on the standard deviation of E/|E_0| after `periods` of `per_period` independent roundings of r and v each.
+
+    r and v are rounded by eps/sqrt(12) of themselves; that changes the energy by r.a and v.v, which are at most
+    (1 + e)/(1 - e) n^2 a^2, and |E| = n^2 a^2/2. A random walk: the deviation grows as steps^(1/2) (Brouwer).
+    """
+    walk = np.sqrt(2 / 12 * per_period * periods)
+    return float(EPSILON * walk * 2 * (1 + eccentricity) / (1 - eccentricity))
+
+
+def momentum_rounding(eccentricity: float, periods: float, per_period: float) -> float:
+    """Bound on the standard deviation of L/L_0 after `periods` of `per_period` independent roundings of r and v each.
+
+    r v <= n a^2 on the orbit, and L = n a^2 sqrt(1 - e^2). Central kicks change L by rounding alone.
+    """
+    return float(EPSILON * np.sqrt(2 / 12 * per_period * periods / (1 - eccentricity**2)))
 
 
 @cache

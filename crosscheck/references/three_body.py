@@ -74,6 +74,9 @@ FIGURE_EIGHT = ThreeBodies(
 #: The largest distance of a body from its start after one period of exact motion.
 RETURN_ERROR = 4.102213515e-8
 
+#: Bound on |dE| and |dL| by the length of a change of the figure-eight's initial state (r, v): 2.35 and 2.11 there.
+GREATEST_GRADIENT = 2.4
+
 #: Bodies of mass 3, 4 and 5 opposite the sides of that length, from rest.
 PYTHAGOREAN = ThreeBodies(
     masses=(3.0, 4.0, 5.0),

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
 from crosscheck.checks.events.algorithm import LINEAR_SCAN, spheres
+from crosscheck.engines.capabilities import Needs
 from crosscheck.scene import Method, Output, explicit
 from crosscheck.verdict import Judged, bounded
 
@@ -13,11 +14,10 @@ TURNS = 7
 _SCHEDULERS = {"tree": "event_driven", "lists": "event_driven_lists", "calendar": "event_driven_calendar"}
 
 
-def _judge_lists(laboratory: Laboratory, variant: str) -> Judged:
-    """CPU time per collision of the documented scheduler over that of the fastest one."""
-    number = int(variant.removeprefix("N"))
+def _judge(laboratory: Laboratory, number: int) -> Judged:
+    """CPU time per collision of the documented scheduler over that of the fastest one; number: of spheres."""
     melt = spheres(number, 0.5, laboratory.seed() % 2**31, duration=4.0)
-    start = laboratory.run(melt, EVENT_DRIVEN, engine="refimpl")
+    start = laboratory.run(melt, EVENT_DRIVEN)
     scene = melt.changed(
         initial=explicit(start["final_positions"], start["final_velocities"]),
         duration=1e6,
@@ -26,7 +26,7 @@ def _judge_lists(laboratory: Laboratory, variant: str) -> Judged:
     taken: dict[str, list[float]] = {name: [] for name in _SCHEDULERS}
     for turn in range(TURNS + 1):
         for name, scheme in _SCHEDULERS.items():
-            cost = laboratory.run(scene, Method(scheme=scheme), engine="refimpl").cost
+            cost = laboratory.run(scene, Method(scheme=scheme)).cost
             if turn:  # the first turn warms caches
                 taken[name].append(cost.cpu / (20 * number))
     best = np.minimum.reduce(list(taken.values()))
@@ -42,16 +42,22 @@ def _judge_lists(laboratory: Laboratory, variant: str) -> Judged:
 
 
 CHECKS = (
-    legacy_check(
+    Check(
         name="performance/event-schedulers",
         title="Elastic spheres at n = 0.5: the documented lists and tree beside the other schedulers",
         equation="CPU seconds/collisions",
         criterion=f"at most 1.5 times the fastest, median of {TURNS} alternated turns, one thread, compilation apart",
         citation="Marin & Cordero, Comput. Phys. Commun. 92, 214 (1995); Paul, J. Comput. Phys. 221, 615 (2007)",
-        judge=_judge_lists,
-        variants=fixed("N10976"),
+        judge=_judge,
+        variants=full(N10976=10976),
         faults=(("N10976", LINEAR_SCAN),),
-        tier="full",
+        needs=Needs(
+            "hard_spheres",
+            (EVENT_DRIVEN,),
+            words=frozenset({"dimension=3", "box.boundaries=periodic", "output.collisions"}),
+            observables=frozenset({"collisions"}),
+            schemes=tuple(_SCHEDULERS.values()),
+        ),
         timing=True,
     ),
 )

@@ -8,19 +8,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, legacy_check
-from crosscheck.checks.stepping import kepler
-from crosscheck.checks.stepping.kepler import SIGMAS, WHY_BIASED
-from crosscheck.checks.stepping.oscillator import MASS, OMEGA0, STIFFNESS
+from crosscheck.checks.base import Check, Laboratory, Tier, schemes_with
+from crosscheck.checks.stepping import orbits
+from crosscheck.checks.stepping.fluids import OPEN
+from crosscheck.checks.stepping.orbits import SAMPLED_ORBIT, SIGMAS, WHY_BIASED
+from crosscheck.checks.stepping.springs import MASS, OMEGA0, SPRING, STIFFNESS
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Claims, Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
-from crosscheck.references import EPSILON, lennard_jones, oscillator
+from crosscheck.references import lennard_jones, oscillator
 from crosscheck.scene import Box, Explicit, Floats, Lattice, LennardJones, Method, Output, Scene, Spring, explicit
 from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off, worst
@@ -29,9 +30,11 @@ from refimpl.stepping.schemes import SCHEMES
 #: Times that every run is repeated, unless it takes longer than `LONG` CPU seconds; the median counts.
 REPEATS, LONG = 3, 0.2
 
-
-#: Schemes of `refimpl` in the quick tier; all of them in the full one.
-QUICK = ("symplectic_euler", "verlet", "leapfrog", "velocity_verlet", "beeman", "gear5")
+#: Left to the full tier: six schemes show the families, and each of these costs a compilation.
+FULL = (
+    *("euler", "modified_euler", "euler_pc", "beeman_pc"),
+    *("gear2", "gear3", "gear4", "gear4_velocity", "gear5_velocity", "gear4_zero_start", "gear5_zero_start"),
+)
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Problem:
     """A case with a known solution.
 
     error: of a run, in `unit`. order: that a scheme shows here, by its claims. numbers: of steps, coarsest first.
-    floor: what rounding makes of the error, from the scheme and the number of steps. faults: as of a check.
+    floor: what rounding makes of the error, from the scheme and the number of steps. needs, faults: as of a check.
     """
 
     name: str
@@ -52,7 +55,7 @@ class Problem:
     order: Callable[[str, Claims], int]
     numbers: Callable[[Claims], Floats]
     floor: Callable[[str, float], float]
-    engines: tuple[str, ...]
+    needs: Needs
     faults: tuple[tuple[str, Fault], ...]
 
 
@@ -82,9 +85,8 @@ def _oscillator_error(run: Run) -> float:
 
 
 def _oscillator_floor(scheme: str, steps: float) -> float:
-    """r and v are rounded by eps/sqrt(12) in every step and turn with the phase; Verlet has v as a difference of r."""
-    lever = steps / (2 * np.pi * PERIODS) if scheme == "verlet" else 1.0
-    return SIGMAS * lever * EPSILON * (2 / 12 * steps) ** 0.5
+    lever = oscillator.rounding_lever(scheme, steps / (2 * np.pi * PERIODS))
+    return SIGMAS * lever * oscillator.rounding_error(steps)
 
 
 _EVALUATIONS = Fault(
@@ -155,7 +157,7 @@ PROBLEMS = (
         order=lambda scheme, claims: claims.order[0] if claims.order else 0,
         numbers=partial(_ladder, first=64, second=8, higher=4, explicit=128, runs=7),
         floor=_oscillator_floor,
-        engines=("refimpl", "lammps"),
+        needs=SPRING,
         faults=(
             ("velocity_verlet", _EVALUATIONS),
             (
@@ -176,12 +178,12 @@ PROBLEMS = (
         equation="r'' = -mu r/|r|^3",
         citation="Danby, Fundamentals of Celestial Mechanics (1988), chapter 6; Rein & Spiegel, MNRAS 446, 1424 (2015)",
         unit="a",
-        scene=kepler.kepler_scene(_ECCENTRICITY, PERIODS, SAMPLES),
-        error=partial(kepler.position_error, eccentricity=_ECCENTRICITY),
-        order=kepler.nominal_order,
+        scene=orbits.kepler_scene(_ECCENTRICITY, PERIODS, SAMPLES),
+        error=partial(orbits.position_error, eccentricity=_ECCENTRICITY),
+        order=orbits.nominal_order,
         numbers=partial(_ladder, first=50, second=25, higher=25, explicit=2500, runs=6),
-        floor=lambda scheme, steps: kepler.rounding_floor(scheme, _ECCENTRICITY, PERIODS, steps),
-        engines=("refimpl", "lammps", "rebound"),
+        floor=lambda scheme, steps: orbits.rounding_floor(scheme, _ECCENTRICITY, PERIODS, steps),
+        needs=SAMPLED_ORBIT,
         faults=(("leapfrog", _EVALUATIONS),),
     ),
     Problem(
@@ -197,7 +199,9 @@ PROBLEMS = (
         numbers=_cluster_steps,
         # the reference's own error, and rounding far below the errors shown
         floor=lambda scheme, steps: 1e-10,
-        engines=("refimpl", "lammps", "ase"),
+        needs=Needs(
+            "lennard_jones", words=OPEN, observables=frozenset({"positions", "velocities", "potential_energy"})
+        ),
         faults=(
             (
                 "velocity_verlet",
@@ -217,11 +221,19 @@ PROBLEMS = (
 # -- the judge ---------------------------------------------------------------------------------------------------------
 
 
+#: Evaluations of the force (at the start, in a step), by (engine, scheme), of the engines that count them.
+EVALUATIONS = {
+    **{("refimpl", name): (one.start_evaluations, one.evaluations) for name, one in SCHEMES.items()},
+    ("lammps", "velocity_verlet"): (1, 1),
+}
+
+
 def expected_evaluations(engine: str, scheme: str, steps: int) -> int | None:
     """Evaluations of the force in `steps` steps and at the start; None where they are not known."""
-    if engine == "refimpl":
-        return SCHEMES[scheme].start_evaluations + steps * SCHEMES[scheme].evaluations
-    return steps + 1 if engine == "lammps" else None
+    if (engine, scheme) not in EVALUATIONS:
+        return None
+    start, each = EVALUATIONS[engine, scheme]
+    return start + steps * each
 
 
 def _judge(laboratory: Laboratory, scheme: str, problem: Problem) -> Judged:
@@ -231,25 +243,20 @@ def _judge(laboratory: Laboratory, scheme: str, problem: Problem) -> Judged:
         numbers = numbers[:1]
     errors, cpu, evaluations, miscounted = [], [], [], 0
     for n in numbers.astype(int).tolist():
-        method = Method(scheme=scheme, dt=problem.scene.duration / n)
-        runs = [laboratory.run(problem.scene, method)]
-        while len(runs) < REPEATS and runs[0].cost.cpu < LONG:
-            runs.append(laboratory.run(problem.scene, method))
+        runs = _repeated(laboratory, problem.scene, Method(scheme=scheme, dt=problem.scene.duration / n))
         errors.append(problem.error(runs[0]))
         cpu.append(float(np.median([run.cost.cpu for run in runs])))
         evaluations.append(runs[0].cost.evaluations)
         expected = expected_evaluations(laboratory.engine, scheme, n)
         if expected is not None:
-            miscounted = max(miscounted, *(abs(run.cost.evaluations - expected) for run in runs), 0)
+            miscounted = max(miscounted, *(abs(run.cost.evaluations - expected) for run in runs))
     figures = _figures(problem, scheme, errors, cpu, evaluations)
     steps = runs[0].cost.steps
     floor = problem.floor(scheme, steps)
-    if max(errors) <= floor * steps**0.5:
-        why = WHY_BIASED
+    biased = floor * steps**0.5
+    if max(errors) <= biased:
         note = f"to rounding at every step; {cpu[0]:.2g} s at the largest"
-        return round_off(
-            f"largest error/{problem.unit}", max(errors), floor * steps**0.5, why, note=note, figures=figures
-        )
+        return round_off(f"largest error/{problem.unit}", max(errors), biased, WHY_BIASED, note=note, figures=figures)
     slope = fitted_order(1 / np.array(evaluations if all(evaluations) else numbers), errors, floor)
     judgements = [
         order(
@@ -259,16 +266,20 @@ def _judge(laboratory: Laboratory, scheme: str, problem: Problem) -> Judged:
             ORDER_TOLERANCE,
             WHY_ORDER,
             uncertainty=slope.error,
-            figures=figures,
         )
     ]
     if expected is not None:
-        judgements.append(
-            round_off(
-                "evaluations miscounted", miscounted, 0.5, "a count: steps times those of a step, and the start's"
-            )
-        )
-    return worst(judgements, f"{cpu[-1] / evaluations[-1] * 1e9 if evaluations[-1] else np.nan:.0f} ns an evaluation")
+        why = "a count: steps times those of a step, and the start's"
+        judgements.append(round_off("evaluations miscounted", miscounted, 0.5, why))
+    each = cpu[-1] / evaluations[-1] * 1e9 if evaluations[-1] else np.nan
+    return worst(judgements, f"{each:.0f} ns an evaluation", figures)
+
+
+def _repeated(laboratory: Laboratory, scene: Scene, method: Method) -> list[Run]:
+    runs = [laboratory.run(scene, method)]
+    while len(runs) < REPEATS and runs[0].cost.cpu < LONG:
+        runs.append(laboratory.run(scene, method))
+    return runs
 
 
 def _figures(
@@ -284,30 +295,24 @@ def _figures(
     return tuple(figures)
 
 
-def _variants(full: bool) -> Any:
-    """All schemes on one figure in the full tier; in the quick one, those of `QUICK` and of other engines."""
-    return lambda engine, schemes: tuple(
-        name
-        for name, claims in schemes.items()
-        if claims.kind == "stepping" and (full or engine != "refimpl" or name in QUICK)
-    )
+def _tier(scheme: str) -> Tier:
+    return "full" if scheme in FULL else "quick"
 
 
-def _check(problem: Problem, full: bool) -> Check:
-    return legacy_check(
-        name=f"performance/work-precision-{problem.name}" + "-full" * full,
-        title=f"Work and precision on {problem.title}" + ": every scheme" * full,
+def _check(problem: Problem) -> Check:
+    return Check(
+        name=f"performance/work-precision-{problem.name}",
+        title=f"Work and precision on {problem.title}",
         equation=problem.equation,
         criterion="error = C evaluations^-order, order as claimed +- "
         f"{ORDER_TOLERANCE}: {WHY_ORDER}; evaluations counted exactly; CPU time is shown, not judged",
         citation=problem.citation,
         judge=partial(_judge, problem=problem),
-        variants=_variants(full),
+        variants=schemes_with(tier=_tier),
         faults=problem.faults,
-        engines=problem.engines,
-        tier="full" if full else "quick",
+        needs=problem.needs,
         timing=True,
     )
 
 
-CHECKS = tuple(_check(problem, full) for problem in PROBLEMS for full in (False, True))
+CHECKS = tuple(map(_check, PROBLEMS))

@@ -6,9 +6,11 @@ from functools import partial
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, legacy_check, legacy_schemes_with
+from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.stepping.faults import scheme_fault
+from crosscheck.checks.stepping.springs import DAMPED, MASS, OMEGA0, SPRING, STIFFNESS
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
-from crosscheck.engines.protocol import Claims, Run
+from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON, oscillator
@@ -16,9 +18,6 @@ from crosscheck.scene import Explicit, Floats, Method, Output, Scene, Spring
 from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off, worst
 
-# The documented case (SI units): m = 70 kg, k = 1e4 N/m, gamma = 100 kg/s, 5 s, r = 1 m, v = -A gamma/2m.
-MASS, STIFFNESS = 70.0, 1e4
-OMEGA0 = (STIFFNESS / MASS) ** 0.5
 CRITICAL = 2 * (STIFFNESS * MASS) ** 0.5
 #: regime -> (gamma, duration, r0, v0). A general phase at the start: from rest, some orders look better than they are.
 #: Undamped, a short run: Gear's velocity error has a secular term of one order more that takes over in long ones.
@@ -60,7 +59,7 @@ def time_steps(regime: str, nominal: int) -> Floats:
     First-order errors grow like omega^2 dt t, so these schemes need far smaller steps to be asymptotic.
     """
     gamma, duration, _, _ = REGIMES[regime]
-    fastest = OMEGA0 if not gamma or gamma <= CRITICAL else (gamma + (gamma**2 - CRITICAL**2) ** 0.5) / (2 * MASS)
+    fastest = oscillator.fastest_rate(OMEGA0, (gamma or 0.0) / (2 * MASS))
     largest = {1: 0.01, 2: 0.05}.get(nominal, 0.2 if regime in ("undamped", "damped") else 0.1) / fastest
     coarsest = int(np.ceil(duration / SAMPLES / largest))
     return duration / SAMPLES / (coarsest * 2.0 ** np.arange(5))
@@ -119,20 +118,8 @@ def _judge_exact(laboratory: Laboratory, scheme: str) -> Judged:
     )
 
 
-def has_matrix(name: str, claims: Claims) -> bool:
-    """Whether the scheme's exact numerical solution is known."""
-    try:
-        oscillator.matrices(name, 0.01, 0.0)
-    except KeyError:
-        return False
-    return True
-
-
-_SCHEMES_FILE = "stepping/schemes.py"
-
-
 def _coefficient(name: str, scheme: str, old: str, new: str) -> tuple[str, Fault]:
-    return scheme, Fault(name, _SCHEMES_FILE, old, new, f"one coefficient of {scheme} is off by 1e-3")
+    return scheme, scheme_fault(name, old, new, f"one coefficient of {scheme} is off by 1e-3")
 
 
 COEFFICIENTS = (
@@ -208,9 +195,8 @@ _EQUATIONS = {
 _FAULTS = {
     "undamped": (
         "velocity_verlet",
-        Fault(
+        scheme_fault(
             "velocity-verlet-misprint",
-            _SCHEMES_FILE,
             "        r = r + dt * v_half\n        a = accelerate(force, r, v_half)",
             "        r = r + dt * (v_half + 0.5 * dt * memory[0])\n        a = accelerate(force, r, v_half)",
             "dt^2 f/m for dt^2 f/2m in the position: a printed form of velocity Verlet; order 1",
@@ -228,9 +214,8 @@ _FAULTS = {
     ),
     "critical": (
         "beeman_pc",
-        Fault(
+        scheme_fault(
             "beeman-lagged",
-            _SCHEMES_FILE,
             "a_new = accelerate(force, r, v_predicted)",
             "a_new = accelerate(force, r, v)",
             "the predictor-corrector uses the old velocity: order 1",
@@ -250,32 +235,32 @@ _FAULTS = {
 
 
 def _regime_check(regime: str) -> Check:
-    return legacy_check(
+    return Check(
         name=f"stepping/oscillator-{regime}",
         title=f"Order of convergence of every scheme on the {regime} harmonic oscillator, against the closed form",
         equation=_EQUATIONS[regime],
         criterion=f"fitted order of the largest error of r and of v = claimed order +- {ORDER_TOLERANCE}: {WHY_ORDER}",
         citation=_LANDAU,
         judge=partial(_judge_order, regime=regime),
-        variants=legacy_schemes_with(
+        variants=schemes_with(
             lambda name, claims: (claims.order if regime == "undamped" else claims.order_damped) is not None
         ),
         faults=(_FAULTS[regime],),
-        engines=("refimpl", "lammps"),
+        needs=SPRING if regime == "undamped" else DAMPED,
     )
 
 
 CHECKS = (
     *map(_regime_check, REGIMES),
-    legacy_check(
+    Check(
         name="stepping/oscillator-exact",
         title="200 steps of the damped oscillator against the scheme's exact numerical solution, a power of its matrix",
         equation="(r, v dt)_n = R M^n S (r0, v0 dt); a dt^2 = -(omega0 dt)^2 r - (gamma dt/m) v dt",
         criterion="largest difference <= 800 eps: four roundings a step",
         citation="Gear, Numerical Initial Value Problems in ODEs (1971); Nordsieck, Math. Comp. 16, 22 (1962)",
         judge=_judge_exact,
-        variants=legacy_schemes_with(has_matrix),
+        variants=schemes_with(lambda name, claims: oscillator.has_matrix(name)),
         faults=COEFFICIENTS,
-        engines=("refimpl", "lammps"),
+        needs=DAMPED,
     ),
 )

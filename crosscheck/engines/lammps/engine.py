@@ -69,6 +69,8 @@ class LammpsEngine:
             """,
         ),
     )
+    #: Thousands of steps of some hundred particles take seconds.
+    promises = ("long_runs",)
 
     def version(self) -> str:
         return f"{load().__version__} (MPI from {preload_mpi()})"

@@ -110,8 +110,9 @@ class RefimplEngine:
         ),
         capability("lattice_gas", "lattice", words=_GASES, observables="populations h_function", schemes=(BOLTZMANN,)),
     )
-    #: Speeds that it is held to, against the peers that the checks name.
-    promises = ("speed",)
+    #: Speeds that it is held to, against the peers that the checks name; and that thousands of steps of some hundred
+    #: particles take seconds.
+    promises = ("speed", "long_runs")
 
     def version(self) -> str:
         import numba

@@ -1,30 +1,65 @@
-"""Every check is whole: named, described, cited, and with a planted fault that still matches its source."""
+"""Every check is whole: in its group's folder, named, described, cited, with a fault that matches its source."""
 
 from __future__ import annotations
 
+import ast
+import importlib
+import pkgutil
 import re
 from pathlib import Path
 
 import pytest
 
 import refimpl
+from crosscheck import checks
 from crosscheck.checks import all_checks
-from crosscheck.checks.base import Check
-from crosscheck.engines.registry import OWN, engine_class
+from crosscheck.checks.base import Check, Variant
+from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.faults import Fault
+from crosscheck.runner import unmatched
 
 SOURCE = Path(refimpl.__path__[0])
 GROUPS = ("stepping", "events", "lattice", "granular", "performance", "extreme")
+#: Longest file and longest function of the checks' folders, in lines.
+FILE, FUNCTION = 500, 80
+MODULES = [one.name for one in pkgutil.walk_packages(checks.__path__, f"{checks.__name__}.") if not one.ispkg]
+FILES = sorted(Path(checks.__path__[0]).rglob("*.py"))
 each_check = pytest.mark.parametrize("check", all_checks(), ids=lambda check: check.name)
+each_file = pytest.mark.parametrize("file", FILES, ids=lambda file: "/".join(file.parts[-2:]))
 FAULTS = [(check, variant, fault) for check in all_checks() for variant, fault in check.faults]
 each_fault = pytest.mark.parametrize(
     ("check", "variant", "fault"), FAULTS, ids=[f"{c.name}/{f.name}" for c, _, f in FAULTS]
 )
 
 
+def offers(check: Check) -> dict[str, tuple[Variant, ...]]:
+    """The variants of a check by the engines that it judges."""
+    classes = {name: engine_class(name) for name in engine_names()}
+    return {
+        name: check.offered(engine.schemes)
+        for name, engine in classes.items()
+        if unmatched(check, name, engine) is None
+    }
+
+
 def test_names_are_unique_and_sorted() -> None:
     names = [check.name for check in all_checks()]
     assert names == sorted(set(names))
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_check_lies_in_the_folder_of_its_group(name: str) -> None:
+    folder = name.removeprefix(f"{checks.__name__}.").rpartition(".")[0]
+    for check in getattr(importlib.import_module(name), "CHECKS", ()):
+        assert check.name.partition("/")[0] == folder
+
+
+@each_file
+def test_files_and_functions_are_short(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert len(text.splitlines()) < FILE
+    functions = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef)]
+    assert [one.name for one in functions if (one.end_lineno or 0) - one.lineno + 1 >= FUNCTION] == []
 
 
 @each_check
@@ -34,18 +69,17 @@ def test_check_is_whole(check: Check) -> None:
     for text in (check.title, check.equation, check.criterion, check.citation):
         assert text.strip()
         assert "\n" not in text
-    assert check.tier in ("quick", "full")
-    assert check.engines
-    assert set(check.engines) <= set(OWN)
-    of_engines = [check.variants(engine, engine_class(engine).schemes) for engine in check.engines]
-    assert any(of_engines)
+    of_engines = offers(check)
+    assert any(of_engines.values())
     # `crosscheck show` and the report find a check from the name of a case
     names = {other.name for other in all_checks()}
-    for variants in of_engines:
-        assert len(set(variants)) == len(variants)
+    for variants in of_engines.values():
+        assert all(variant.tier in ("quick", "full") for variant in variants)
+        own = [variant.name for variant in variants]
+        assert len(set(own)) == len(own)
         # a case's name is a pattern that matches itself, and a word on the command line
-        assert not any(set(variant) & set(" *?[]\n") for variant in variants)
-        assert not names & {f"{check.name}/{variant}" for variant in variants}
+        assert not any(set(name) & set(" *?[]\n") for name in own)
+        assert not names & {f"{check.name}/{name}" for name in own}
     assert check.faults
 
 
@@ -58,8 +92,7 @@ def test_fault_is_whole(check: Check, variant: str, fault: Fault) -> None:
     assert fault.name
     assert fault.breaks
     compile(text.replace(fault.old, fault.new), fault.file, "exec")
-    assert "refimpl" in check.engines
-    assert variant in check.variants("refimpl", engine_class("refimpl").schemes)
+    assert variant in [one.name for one in offers(check)["refimpl"]]
 
 
 def test_one_name_is_one_fault() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from crosscheck.references import kepler
+from crosscheck.references import kepler, oscillator
 from crosscheck.scene import Gravity, Kepler, Scene
 
 EPS = kepler.EPSILON
@@ -146,3 +146,86 @@ def test_rounding_grows_as_brouwer_says() -> None:
     one, long = kepler.rounding_error(0.5, 1, 1000), kepler.rounding_error(0.5, 100, 100_000)
     assert 700 < long / one < 1300  # periods^(3/2)
     assert kepler.rounding_error(0.5, 1, 4000) == pytest.approx(2 * one)
+
+
+# -- Gear's start ------------------------------------------------------------------------------------------------------
+
+
+def test_the_zero_start_is_an_orbit_from_apocentre_that_starts_too_fast() -> None:
+    e, dt = 0.5, 1e-2
+    t = np.linspace(0.0, 12.0, 40)
+    r, v = kepler.zero_start_orbit(t, e, AXIS, MU, dt)
+    r0, v0 = kepler.relative_orbit(0.0, e, AXIS, MU)
+    # d^3r/dt^3 by differences of the acceleration along the closed form
+    h = 1e-4
+    after, before = (kepler.relative_orbit(s * h, e, AXIS, MU)[0] for s in (1, -1))
+    third = (-MU * after / np.linalg.norm(after) ** 3 + MU * before / np.linalg.norm(before) ** 3) / (2 * h)
+    assert r[0] == pytest.approx(r0, abs=4 * EPS)
+    assert v[0] - v0 == pytest.approx(-(dt**2) / 12 * third, abs=1e-6 * dt**2)
+    assert kepler.energy(r, v, MU) == pytest.approx(float(kepler.energy(r[0], v[0], MU)), rel=1e-13)
+
+    def right_side(t: float, y: np.ndarray) -> np.ndarray:
+        return np.concatenate([y[2:], -MU * y[:2] / np.linalg.norm(y[:2]) ** 3])
+
+    run = solve_ivp(right_side, (0, 12.0), np.concatenate([r[0], v[0]]), "DOP853", t, rtol=1e-12, atol=1e-12)
+    assert r == pytest.approx(run.y[:2].T, abs=1e-9)
+
+
+@pytest.mark.parametrize("scheme", ["gear3", "gear4", "gear4_velocity", "gear5", "gear5_velocity"])
+def test_a_missing_third_derivative_leaves_the_velocity_off_for_ever(scheme: str) -> None:
+    """Nordsieck's step for a force that does not depend on r: an error -R_3 ends as -R_3/2 in R_1, R_4 as nothing."""
+    _, advance, _ = oscillator.matrices(scheme, 0.0, 0.0)
+    step = advance.astype(float)
+    for missing, left in ((3, -0.5), (4, 0.0)):
+        if missing < len(step):
+            error = np.zeros(len(step))
+            error[missing] = -1.0
+            assert (np.linalg.matrix_power(step, 200) @ error)[1] == pytest.approx(left, abs=1e-12)
+
+
+# -- rounding ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 0.9])
+def test_rounding_of_energy_and_angular_momentum_by_trial(e: float) -> None:
+    """Random roundings of r and v at every step of a period, to first order: below the bounds, and of their size."""
+    steps, trials = 2000, 400
+    r, v = kepler.relative_orbit(np.arange(steps) * 2 * np.pi / steps, e)
+    rng = np.random.default_rng(3)
+    shift_r, shift_v = EPS * rng.uniform(-0.5, 0.5, size=(2, trials, steps, 2)) * np.array([r, v])[:, None]
+    slope = r / np.linalg.norm(r, axis=-1)[:, None] ** 3
+    energy = ((shift_r * slope).sum(-1) + (shift_v * v).sum(-1)).sum(1) * 2
+    momentum = (kepler.angular_momentum(shift_r, v) + kepler.angular_momentum(r, shift_v)).sum(1) / np.sqrt(1 - e**2)
+    assert 0.05 < energy.std() / kepler.energy_rounding(e, 1, steps) < 1
+    assert 0.2 < momentum.std() / kepler.momentum_rounding(e, 1, steps) < 1
+    assert kepler.energy_rounding(e, 4, steps) == pytest.approx(2 * kepler.energy_rounding(e, 1, steps))
+    assert kepler.momentum_rounding(e, 4, steps) == pytest.approx(2 * kepler.momentum_rounding(e, 1, steps))
+
+
+@pytest.mark.parametrize("shadow", [kepler.KICK_DRIFT_KICK, kepler.DRIFT_KICK_DRIFT, kepler.KICK_DRIFT])
+def test_a_shadow_is_kept_to_the_order_that_it_claims(shadow: kepler.Shadow) -> None:
+    """One period of the map written out here: the departure of H + h^power correction falls as h^(power + gain)."""
+
+    def kick(r: np.ndarray, h: float) -> np.ndarray:
+        return np.asarray(-h * r / np.linalg.norm(r) ** 3)
+
+    departures = []
+    for steps in (800, 1600):
+        h = 2 * np.pi / steps
+        r, v = (np.array(part) for part in kepler.relative_orbit(0.0, 0.3))
+        modified = []
+        for _ in range(steps + 1):
+            modified.append(float(kepler.energy(r, v, 1.0) + h**shadow.power * shadow.correction(r, v, 1.0)))
+            if shadow is kepler.DRIFT_KICK_DRIFT:
+                r = r + 0.5 * h * v
+                v = v + kick(r, h)
+                r = r + 0.5 * h * v
+            elif shadow is kepler.KICK_DRIFT:
+                v = v + kick(r, h)
+                r = r + h * v
+            else:
+                half = v + kick(r, 0.5 * h)
+                r = r + h * half
+                v = half + kick(r, 0.5 * h)
+        departures.append(np.ptp(modified))
+    assert np.log2(departures[0] / departures[1]) == pytest.approx(shadow.power + shadow.gain, abs=0.1)

@@ -10,12 +10,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from crosscheck.references import EPSILON
 from crosscheck.references.oscillator import (
+    energy_growth,
+    fastest_rate,
     growth_per_step,
     growth_rate,
+    has_matrix,
     matrices,
     numerical_solution,
     practical_limit,
+    rounding_error,
+    rounding_lever,
     solution,
     strict_limit,
 )
@@ -233,3 +239,56 @@ def test_practical_limits(scheme: str, limit: float, digits: float) -> None:
     found = practical_limit(scheme, 1.01)
     assert found == pytest.approx(limit, abs=digits)
     assert growth_per_step(scheme, found) == pytest.approx(1.01, abs=1e-12)
+
+
+# -- rates and rounding -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.3, 1.7, 2.0, 20.0])
+def test_fastest_rate_is_the_largest_root(beta: float) -> None:
+    assert fastest_rate(1.7, beta) == pytest.approx(abs(np.roots([1.0, 2 * beta, 1.7**2])).max(), rel=1e-7)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_energy_grows_as_the_numerical_solution_does(scheme: str) -> None:
+    h = 2 * np.pi / 50
+    r, v = numerical_solution(scheme, 5000, h, 1.0, 0.7, 1.0, 0.0)
+    energy = (r**2 + v**2)[::50]
+    assert has_matrix(scheme)
+    measured = np.log(energy[-1] / energy[40]) / (60 * 50 * h)
+    # the phase of the samples creeps round, by far less than a period: the energy's swing moves with it
+    assert energy_growth(scheme, h) == pytest.approx(measured, rel=0.01, abs=1e-4)
+    if strict_limit(scheme) == 2.0:
+        assert energy_growth(scheme, h) == 0.0
+
+
+def test_magic_has_no_matrix() -> None:
+    assert not has_matrix("magic")
+
+
+def test_rounding_error_by_trial() -> None:
+    """Independent roundings of r and v, turned to the end by the exact rotation."""
+    steps, trials = 1000, 4000
+    rng = np.random.default_rng(5)
+    phase = np.arange(steps) * 0.1
+    r, v = np.cos(phase), -np.sin(phase)
+    shift = EPSILON * rng.uniform(-0.5, 0.5, size=(2, trials, steps)) * np.array([r, v])[:, None]
+    left = 100.0 - phase
+    final = (shift[0] * np.cos(left) + shift[1] * np.sin(left)).sum(1)
+    # r^2 and v^2 are 1/2 on average: the estimate takes both as 1
+    assert 0.4 < final.std() / rounding_error(steps) < 1
+
+
+@pytest.mark.parametrize("scheme", ["verlet", "leapfrog", "velocity_verlet"])
+def test_a_rounding_of_the_position_is_one_of_the_velocity_for_verlet(scheme: str) -> None:
+    """The last position of the state is disturbed by 1; the motion that follows has this amplitude."""
+    h = 0.01
+    _, advance, read = (part.astype(float) for part in matrices(scheme, h**2, 0.0))
+    state = np.zeros(len(advance))
+    state[2 if scheme == "verlet" else 0] = 1.0
+    amplitude = 0.0
+    for _ in range(700):
+        state = advance @ state
+        r, u = read @ state
+        amplitude = max(amplitude, float(np.hypot(r, u / h)))
+    assert amplitude == pytest.approx(rounding_lever(scheme, 1 / h), rel=0.01)

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from crosscheck.references.three_body import (
     FIGURE_EIGHT,
+    GREATEST_GRADIENT,
     PYTHAGOREAN,
     RETURN_ERROR,
     ThreeBodies,
@@ -78,3 +79,16 @@ def test_sensitivity_of_the_figure_eight() -> None:
     ]
     assert np.sqrt(np.mean(np.square(carried))) == pytest.approx(problem.sensitivity, rel=0.02)
     assert max(carried) == pytest.approx(problem.greatest, rel=0.02)
+
+
+@pytest.mark.parametrize("conserved", [energy, angular_momentum])
+def test_gradients_of_what_is_conserved(conserved) -> None:  # type: ignore[no-untyped-def]
+    masses, state = np.array(FIGURE_EIGHT.masses), np.array([FIGURE_EIGHT.positions, FIGURE_EIGHT.velocities])
+    gradient = np.zeros(12)
+    for k in range(12):
+        step = np.zeros(12)
+        step[k] = 1e-6
+        after, before = (conserved(masses, *(state + sign * step.reshape(2, 3, 2))) for sign in (1, -1))
+        gradient[k] = (after - before) / 2e-6
+    assert np.linalg.norm(gradient) == pytest.approx(2.35 if conserved is energy else 2.11, abs=0.01)
+    assert np.linalg.norm(gradient) < GREATEST_GRADIENT

@@ -1,0 +1,20 @@
+"""Where the faults of this group's checks are planted."""
+
+from __future__ import annotations
+
+from crosscheck.faults import Fault
+
+
+def scheme_fault(name: str, old: str, new: str, breaks: str) -> Fault:
+    """In the schemes."""
+    return Fault(name, "stepping/schemes.py", old, new, breaks)
+
+
+def gravity_fault(name: str, old: str, new: str, breaks: str) -> Fault:
+    """In gravity."""
+    return Fault(name, "stepping/forces/gravity.py", old, new, breaks)
+
+
+def pair_fault(name: str, old: str, new: str, breaks: str) -> Fault:
+    """In the kernel of Lennard-Jones pairs."""
+    return Fault(name, "stepping/kernels/lennard_jones.py", old, new, breaks)

@@ -1,0 +1,137 @@
+"""Lennard-Jones fluids that the checks of this group share: scenes, needs, and what a sample says of the state."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import Laboratory
+from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.protocol import Run
+from crosscheck.scene import Box, Floats, Lattice, LennardJones, Method, Observable, Output, Scene, explicit
+
+OBSERVABLES: tuple[Observable, ...] = ("kinetic_energy", "potential_energy", "virial")
+STEP = Method(scheme="velocity_verlet", dt=0.005)
+#: What every engine of such fluids must know, in a periodic cube and in open space.
+_WORDS = {"dimension=3", "lennard_jones.length_form=sigma", "lennard_jones.truncation=truncated"}
+PERIODIC = frozenset({*_WORDS, "box.boundaries=periodic"})
+OPEN = frozenset({*_WORDS, "box.boundaries=open"})
+TRAJECTORIES = Needs(
+    "lennard_jones",
+    words=PERIODIC,
+    observables=frozenset({"positions", "velocities"}),
+    schemes=(STEP.scheme,),
+)
+#: Forces, energy and virial of a configuration, from a run of no time.
+STATICS = Needs("lennard_jones", observables=frozenset({*OBSERVABLES, "forces"}), schemes=(STEP.scheme,))
+#: Averages: runs too long for an engine that does not promise its speed.
+AVERAGES = Needs(
+    "lennard_jones",
+    words=PERIODIC,
+    observables=frozenset(OBSERVABLES),
+    schemes=(STEP.scheme,),
+    promises=("long_runs",),
+)
+
+LISTS = "Allen & Tildesley, Computer Simulation of Liquids (1987), chapters 1, 2 and 5"
+POTENTIAL = "phi = 4 epsilon ((sigma/r)^12 - (sigma/r)^6), F = -phi'(r) r_ij/r, W = sum r_ij . F_ij"
+#: Of the pair kernel, where faults are planted.
+FORCE_TERM = "f = q2 * q2 * (q2 * q * repulsion - attraction)"
+
+
+def fluid(
+    number: int,
+    density: float,
+    temperature: float,
+    seed: int,
+    *,
+    cutoff: float = 2.5,
+    truncation: str = "truncated",
+    duration: float = 0.0,
+) -> Scene:
+    """A periodic cube of Lennard-Jones particles that starts on a face-centred cubic lattice.
+
+    density, temperature, cutoff, duration: in reduced units. seed: of the velocities.
+    """
+    return Scene(
+        name=f"lennard-jones-{number}",
+        dimension=3,
+        duration=duration,
+        lennard_jones=LennardJones(cutoff=cutoff, truncation=truncation),  # type: ignore[arg-type]
+        box=Box(density=density),
+        initial=Lattice(kind="lattice", structure="fcc", number=number, temperature=temperature, seed=seed),
+    )
+
+
+# -- one configuration -------------------------------------------------------------------------------------------------
+
+
+def shaken(scene: Scene, amplitude: float, seed: int) -> Scene:
+    """The scene with every particle displaced at random, at rest, asking for forces, energy and virial."""
+    state = scene.initial_state()
+    rng = np.random.default_rng(seed)
+    positions = state.positions + rng.normal(scale=amplitude, size=state.positions.shape)
+    box = scene.box
+    assert box is not None
+    lengths = scene.lengths()
+    assert lengths is not None
+    if box.wall is not None:
+        # no closer to a wall than 0.8 of its sigma
+        positions = np.clip(positions, 0.8 * box.wall.sigma, lengths - 0.8 * box.wall.sigma)
+    return scene.changed(
+        initial=explicit(positions, np.zeros_like(positions)),
+        box=Box(lengths=tuple(lengths.tolist()), boundaries=box.boundaries, wall=box.wall),
+        output=Output(interval=STEP.step, observables=OBSERVABLES, forces=True),
+    )
+
+
+# -- averages ----------------------------------------------------------------------------------------------------------
+
+
+class StatePoint(NamedTuple):
+    """Density and temperature, in reduced units."""
+
+    density: float
+    temperature: float
+
+
+STATE_POINTS = {
+    "rho0.8-T1.0": StatePoint(0.8, 1.0),
+    "rho0.5-T2.0": StatePoint(0.5, 2.0),
+    "rho0.3-T2.5": StatePoint(0.3, 2.5),
+}
+#: Of the averages: cutoff, method, steps of the production run and steps between samples, number of particles.
+CUTOFF, AVERAGE = 3.0, Method(scheme="velocity_verlet", dt=0.004)
+AVERAGE_STEPS, AVERAGE_EVERY, PARTICLES = 4000, 10, 500
+
+
+def temperature_of(scene: Scene, kinetic: Floats | float) -> Floats | float:
+    """2 K/(d (N - 1)): the total momentum is zero and does not take part."""
+    return 2 * kinetic / (scene.dimension * (scene.number - 1))
+
+
+def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
+    """A liquid at the state point: melted by `refimpl`, velocities scaled ten times, then left alone."""
+    density, temperature = point
+    scene = fluid(PARTICLES, density, 2 * temperature, laboratory.seed(), cutoff=CUTOFF, duration=100 * AVERAGE.step)
+    for _ in range(10):
+        run = laboratory.run(scene, AVERAGE, engine="refimpl")
+        kinetic = 0.5 * (run["final_velocities"] ** 2).sum()
+        scale = np.sqrt(temperature / temperature_of(scene, kinetic))
+        scene = scene.changed(initial=explicit(run["final_positions"], scale * run["final_velocities"]))
+    run = laboratory.run(scene.changed(duration=500 * AVERAGE.step), AVERAGE, engine="refimpl")
+    return scene.changed(
+        initial=explicit(run["final_positions"], run["final_velocities"]),
+        duration=AVERAGE_STEPS * AVERAGE.step,
+        output=Output(interval=AVERAGE_EVERY * AVERAGE.step, observables=OBSERVABLES),
+    )
+
+
+def series(scene: Scene, run: Run) -> dict[str, Floats]:
+    """T, u = U/N and p at every sample, without long-range corrections."""
+    return {
+        "T": np.asarray(temperature_of(scene, run["kinetic_energy"])),
+        "u": run["potential_energy"] / scene.number,
+        "p": (2 * run["kinetic_energy"] + run["virial"]) / (scene.dimension * scene.volume()),
+    }

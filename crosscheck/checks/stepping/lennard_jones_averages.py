@@ -1,0 +1,70 @@
+"""Averages of the fluid from one start, engine against engine."""
+
+from __future__ import annotations
+
+from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.stepping.fluids import (
+    AVERAGE,
+    AVERAGE_STEPS,
+    AVERAGES,
+    PARTICLES,
+    STATE_POINTS,
+    StatePoint,
+    equilibrated,
+    series,
+)
+from crosscheck.faults import Fault
+from crosscheck.statistics import correlated_mean
+from crosscheck.verdict import Judged, statistical, worst
+
+OTHER = "lammps"
+
+
+def _judge(laboratory: Laboratory, point: StatePoint) -> Judged:
+    """T, u and p of two engines that start from one state: the same energy, hence the same averages."""
+    scene = equilibrated(laboratory, point)
+    ours, theirs = (
+        {name: correlated_mean(values) for name, values in series(scene, run).items()}
+        for run in (laboratory.run(scene, AVERAGE), laboratory.run(scene, AVERAGE, engine=OTHER))
+    )
+    judgements = [
+        statistical(
+            f"{name} ({laboratory.engine} against {OTHER})",
+            ours[name].value,
+            ours[name].error,
+            theirs[name].value,
+            theirs[name].error,
+            "standard errors of two correlated series",
+            samples=min(ours[name].independent, theirs[name].independent),
+            needed=0.05 if name != "p" else None,
+        )
+        for name in ("T", "u", "p")
+    ]
+    return worst(judgements, f"{AVERAGE_STEPS} steps of {PARTICLES} particles")
+
+
+CHECKS = (
+    Check(
+        name="stepping/lennard-jones-averages",
+        title="Temperature, energy and pressure from one start, engine against engine",
+        equation="T = 2 <K>/(3 (N - 1)), u = <U>/N, p = (2 <K> + <W>)/3V",
+        criterion="within the standard errors of two correlated series",
+        citation="Flyvbjerg & Petersen, J. Chem. Phys. 91, 461 (1989); Wolff, Comput. Phys. Commun. 156, 143 (2004)",
+        judge=_judge,
+        variants=variants_of({f"{name}-against-{OTHER}": point for name, point in STATE_POINTS.items()}),
+        faults=(
+            (
+                "rho0.8-T1.0-against-lammps",
+                Fault(
+                    "kinetic-energy-1-percent",
+                    "stepping/forces/lennard_jones.py",
+                    "    return 0.5 * np.sum(v * v)",
+                    "    return 0.505 * np.sum(v * v)",
+                    "the kinetic energy is 1 % too large",
+                ),
+            ),
+        ),
+        needs=AVERAGES,
+        reference=OTHER,
+    ),
+)

@@ -1,0 +1,79 @@
+"""Energy and pressure of the fluid, against two equations of state."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.stepping.faults import pair_fault
+from crosscheck.checks.stepping.fluids import (
+    AVERAGE,
+    AVERAGES,
+    CUTOFF,
+    PARTICLES,
+    STATE_POINTS,
+    StatePoint,
+    equilibrated,
+    series,
+)
+from crosscheck.references import lennard_jones as reference
+from crosscheck.statistics import correlated_mean
+from crosscheck.verdict import Judged, statistical, worst
+
+
+def _judge(laboratory: Laboratory, point: StatePoint) -> Judged:
+    """u and p at the temperature that the run has, against the equations of state."""
+    scene = equilibrated(laboratory, point)
+    measured = series(scene, laboratory.run(scene, AVERAGE))
+    t = correlated_mean(measured["T"])
+    tail = reference.tail(point.density, CUTOFF)
+    known = reference.equation_of_state(t.value, point.density)
+    warmer = reference.equation_of_state(1.01 * t.value, point.density)
+    judgements = []
+    for name, correction, field, size in (
+        ("u", tail.energy, "energy", abs(known.energy)),
+        ("p", tail.pressure, "pressure", point.density * t.value),
+    ):
+        expected, gap = getattr(known, field), getattr(known, f"{field}_uncertainty")
+        # u, p and T fluctuate together: the error is that of the series with the temperature's share taken out
+        slope = (getattr(warmer, field) - expected) / (0.01 * t.value)
+        mean = correlated_mean(measured[name] - slope * (measured["T"] - t.value))
+        judgements.append(
+            statistical(
+                f"{name} at the temperature of the run",
+                mean.value + correction,
+                mean.error,
+                expected,
+                # a finite system at constant energy differs by 1/N in the quantity, and in what its temperature is
+                float(np.sqrt(gap**2 + (size / PARTICLES) ** 2 + (slope * t.value / PARTICLES) ** 2)),
+                "error of correlated data, half the gap between two equations of state, 1/N of it and of T",
+                samples=mean.independent,
+                needed=0.05 if name == "u" else None,
+            )
+        )
+    return worst(judgements, f"T = {t.value:.4f} +- {t.error:.4f}")
+
+
+CHECKS = (
+    Check(
+        name="stepping/lennard-jones-equation-of-state",
+        title="Energy and pressure of the fluid at constant energy, against two equations of state",
+        equation="u = <U>/N + u_tail, p = (2 <K> + <W>)/3V + p_tail, at T = 2 <K>/(3 (N - 1))",
+        criterion="within the standard errors of correlated data, the gap between the equations, and 1/N",
+        citation="Kolafa & Nezbeda, Fluid Phase Equilib. 100, 1 (1994); Thol et al., JPCRD 45, 023101 (2016)",
+        judge=_judge,
+        variants=variants_of(STATE_POINTS),
+        faults=(
+            (
+                "rho0.8-T1.0",
+                pair_fault(
+                    "virial-factor",
+                    "return 0.5 * all_energy, 0.5 * all_work",
+                    "return 0.5 * all_energy, 0.6 * all_work",
+                    "the virial is 20 % too large",
+                ),
+            ),
+        ),
+        needs=AVERAGES,
+    ),
+)
