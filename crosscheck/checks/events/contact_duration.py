@@ -43,7 +43,16 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2", "box.faces", "hard_spheres.restitution", "hard_spheres.contact_duration"}),
+            words=frozenset(
+                {
+                    "box.boundaries=hard",
+                    "box.faces",
+                    "box.faces.open",
+                    "dimension=2",
+                    "hard_spheres.contact_duration",
+                    "hard_spheres.restitution",
+                }
+            ),
             observables=frozenset({"collisions", "wall_collisions", "kinetic_energy"}),
         ),
         faults=(

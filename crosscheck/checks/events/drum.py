@@ -204,15 +204,24 @@ CHECKS = (
             (EVENT_DRIVEN,),
             words=frozenset(
                 {
-                    "dimension=2",
                     "acceleration",
+                    "box.boundaries=open",
                     "box.cylinder",
+                    "box.cylinder.angular_velocity",
+                    "box.cylinder.friction",
+                    "box.cylinder.friction.sliding",
+                    "box.cylinder.friction.static",
+                    "box.cylinder.restitution",
+                    "dimension=2",
                     "hard_spheres.contact_duration",
                     "hard_spheres.friction",
+                    "hard_spheres.friction.sliding",
+                    "hard_spheres.friction.static",
+                    "hard_spheres.restitution",
                     "output.fields",
                 }
             ),
-            observables=frozenset({*OBSERVABLES, "wall_torque", "positions", "velocities"}),
+            observables=frozenset({*OBSERVABLES, "wall_torque", "positions", "velocities", "angular_velocities"}),
         ),
     ),
 )

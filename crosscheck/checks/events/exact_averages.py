@@ -117,7 +117,12 @@ CHECKS = (
         citation="M. Marin, D. Risso and P. Cordero, J. Comput. Phys. 109, 306 (1993)",
         judge=lambda laboratory, judge: judge(laboratory),
         variants=full(column=_judge_column, free=_judge_free, well=_judge_well),
-        needs=Needs("hard_spheres", (EVENT_DRIVEN,), observables=frozenset(OBSERVABLES)),
+        needs=Needs(
+            "hard_spheres",
+            (EVENT_DRIVEN,),
+            words=frozenset({"box.boundaries=periodic", "dimension=2"}),
+            observables=frozenset(OBSERVABLES),
+        ),
         faults=(
             (
                 "column",

@@ -189,7 +189,7 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"acceleration", "output.fields"}),
+            words=frozenset({"acceleration", "box.boundaries=hard", "box.boundaries=periodic", "output.fields"}),
             observables=frozenset(OBSERVABLES),
         ),
         faults=(

@@ -83,7 +83,13 @@ CHECKS = (
             "hard_spheres",
             (EVENT_DRIVEN,),
             words=frozenset(
-                {"box.boundaries=periodic", "hard_spheres.restitution", "hard_spheres.friction", "output.collisions"}
+                {
+                    "box.boundaries=periodic",
+                    "hard_spheres.friction",
+                    "hard_spheres.friction.inertia",
+                    "hard_spheres.restitution",
+                    "output.collisions",
+                }
             ),
             observables=frozenset({"kinetic_energy", "dissipated_energy", "collisions", "rotational_energy"}),
         ),

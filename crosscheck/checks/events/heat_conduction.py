@@ -193,7 +193,15 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"box.faces", "box.faces.temperature", "output.fields"}),
+            words=frozenset(
+                {
+                    "box.boundaries=hard",
+                    "box.boundaries=periodic",
+                    "box.faces",
+                    "box.faces.temperature",
+                    "output.fields",
+                }
+            ),
             observables=frozenset(OBSERVABLES),
         ),
     ),

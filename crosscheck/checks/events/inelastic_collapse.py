@@ -48,7 +48,9 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2", "box.faces", "hard_spheres.restitution"}),
+            words=frozenset(
+                {"box.boundaries=hard", "box.faces", "box.faces.open", "dimension=2", "hard_spheres.restitution"}
+            ),
             observables=frozenset({"collisions", "wall_collisions", "kinetic_energy"}),
         ),
         faults=(("wall-5", RESTITUTION_SQUARED),),

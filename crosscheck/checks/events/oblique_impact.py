@@ -178,7 +178,14 @@ CHECKS = (
             "hard_spheres",
             (EVENT_DRIVEN,),
             words=frozenset(
-                {"hard_spheres.diameter[]", "hard_spheres.restitution", "hard_spheres.friction", "masses[]"}
+                {
+                    "hard_spheres.diameter[]",
+                    "hard_spheres.friction",
+                    "hard_spheres.friction.sliding",
+                    "hard_spheres.friction.static",
+                    "hard_spheres.restitution",
+                    "masses[]",
+                }
             ),
             observables=frozenset(),
         ),

@@ -11,6 +11,18 @@ from crosscheck.scene import Box, Face, Floats, HardSpheres, Output, Scene, expl
 
 #: The face y-, the floor, among the faces.
 FLOOR = 2
+#: Words and observables that all scenes over a floor need of an engine.
+FLOOR_WORDS = frozenset(
+    {
+        "dimension=2",
+        "box.boundaries=hard",
+        "box.boundaries=periodic",
+        "box.faces",
+        "box.faces.open",
+        "hard_spheres.diameter",
+    }
+)
+FLOOR_OBSERVABLES = frozenset({"wall_collisions", "wall_energy", "positions", "velocities"})
 #: All scenes but one have g = 1, and floors with A omega = V0 = 1 where the floor vibrates fast.
 GRAVITY = 1.0
 

@@ -106,12 +106,17 @@ CHECKS = (
             (EVENT_DRIVEN,),
             words=frozenset(
                 {
-                    "dimension=2",
                     "acceleration",
+                    "box.boundaries=hard",
+                    "box.boundaries=periodic",
                     "box.faces",
                     "box.faces.friction",
-                    "hard_spheres.restitution",
+                    "box.faces.restitution",
+                    "dimension=2",
                     "hard_spheres.friction",
+                    "hard_spheres.friction.sliding",
+                    "hard_spheres.friction.static",
+                    "hard_spheres.restitution",
                     "output.fields",
                 }
             ),

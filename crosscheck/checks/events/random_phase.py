@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
-from crosscheck.checks.events.over_floor import FLOOR, over_floor, plate_figures
+from crosscheck.checks.events.over_floor import FLOOR, FLOOR_OBSERVABLES, FLOOR_WORDS, over_floor, plate_figures
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.references import floors
@@ -69,8 +69,8 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2", "box.faces", "box.faces.random_phase"}),
-            observables=frozenset({"wall_collisions", "wall_energy", "positions", "velocities"}),
+            words=FLOOR_WORDS | {"box.faces.random_phase"},
+            observables=FLOOR_OBSERVABLES,
         ),
         faults=(
             (

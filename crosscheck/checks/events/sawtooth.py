@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
-from crosscheck.checks.events.over_floor import FLOOR, GRAVITY, over_floor
+from crosscheck.checks.events.over_floor import FLOOR, FLOOR_OBSERVABLES, FLOOR_WORDS, GRAVITY, over_floor
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON, floors
@@ -53,8 +53,8 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2", "acceleration", "box.faces", "box.faces.velocity"}),
-            observables=frozenset({"wall_collisions", "wall_energy", "positions", "velocities"}),
+            words=FLOOR_WORDS | {"acceleration", "box.faces.velocity"},
+            observables=FLOOR_OBSERVABLES,
         ),
         faults=(
             (

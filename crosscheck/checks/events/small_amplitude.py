@@ -7,7 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
-from crosscheck.checks.events.over_floor import GRAVITY, over_floor, plate_figures, vertical
+from crosscheck.checks.events.over_floor import (
+    FLOOR_OBSERVABLES,
+    FLOOR_WORDS,
+    GRAVITY,
+    over_floor,
+    plate_figures,
+    vertical,
+)
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -98,8 +105,8 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2", "acceleration", "box.faces", "box.faces.oscillation"}),
-            observables=frozenset({"wall_collisions", "wall_energy", "positions", "velocities"}),
+            words=FLOOR_WORDS | {"acceleration", "box.faces.oscillation"},
+            observables=FLOOR_OBSERVABLES,
         ),
         faults=(
             (

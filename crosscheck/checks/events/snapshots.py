@@ -137,7 +137,7 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2"}),
+            words=frozenset({"box.boundaries=periodic", "dimension=2"}),
             observables=frozenset({*OBSERVABLES, "positions", "velocities"}),
         ),
     ),

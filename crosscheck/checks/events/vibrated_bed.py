@@ -238,7 +238,17 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2", "acceleration", "box.faces", "output.fields"}),
+            words=frozenset(
+                {
+                    "acceleration",
+                    "box.boundaries=hard",
+                    "box.boundaries=periodic",
+                    "box.faces",
+                    "box.faces.open",
+                    "dimension=2",
+                    "output.fields",
+                }
+            ),
             observables=frozenset(OBSERVABLES),
         ),
     ),

@@ -83,7 +83,7 @@ _CONTACT_DURATION = 1e-2
 
 
 def _judge_column(laboratory: Laboratory, shaking: float) -> Judged:
-    """Inelastic disks between side walls on a floor with A = 0.5: nobody falls through it."""
+    """Inelastic disks between side walls on a floor with A = 0.5: no grain falls through it."""
     amplitude, omega, number = 0.5, (shaking / 0.5) ** 0.5, 60
     scene = Scene(
         name="vibrated-column",
@@ -128,7 +128,7 @@ def _judge_column(laboratory: Laboratory, shaking: float) -> Judged:
 CHECKS = (
     Check(
         name="events/vibrating-floor",
-        title="Elastic balls on a sinusoidal floor, and a shaken column: no impact missed, nobody lost",
+        title="Elastic balls on a sinusoidal floor, and a shaken column: no impact missed, no grain below the floor",
         equation="z + v s - g s^2/2 = A cos(omega (t + s)), A omega^2/g from 0.1 to 100",
         criterion="every interval of every ball against an independent root finder in long double, to rounding",
         citation="Soto, Phys. Rev. E 69, 061305 (2004)",
@@ -140,7 +140,16 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2", "acceleration", "box.faces", "box.faces.oscillation"}),
+            words=frozenset(
+                {
+                    "acceleration",
+                    "box.boundaries=hard",
+                    "box.faces",
+                    "box.faces.open",
+                    "box.faces.oscillation",
+                    "dimension=2",
+                }
+            ),
             observables=frozenset({"wall_collisions", "positions", "velocities"}),
         ),
         faults=(

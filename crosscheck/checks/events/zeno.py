@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
-from crosscheck.checks.events.over_floor import FLOOR, GRAVITY, over_floor, vertical
+from crosscheck.checks.events.over_floor import FLOOR, FLOOR_OBSERVABLES, FLOOR_WORDS, GRAVITY, over_floor, vertical
 from crosscheck.checks.events.rows import reported_time
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
@@ -59,8 +59,8 @@ CHECKS = (
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),
-            words=frozenset({"dimension=2", "acceleration", "box.faces"}),
-            observables=frozenset({"wall_collisions", "wall_energy", "positions", "velocities"}),
+            words=FLOOR_WORDS | {"acceleration", "box.faces.restitution"},
+            observables=FLOOR_OBSERVABLES,
         ),
         faults=(
             (
