@@ -85,6 +85,7 @@ def surface_angle(positions: Floats, middle: Floats, radius: float) -> float:
 
 
 def _judge_drum(laboratory: Laboratory, contact: float) -> Judged:
+    """Angles of the surface at t_c = `contact` and at half of it, and balances of energy and torque."""
     runs = [run_whole(laboratory, drum_scene(laboratory.seed(f"drum-{part}"), contact / part)) for part in (1, 2)]
     skip = round(15.0 / DRUM_SAMPLE)
     middle = np.full(2, DRUM_RADIUS)

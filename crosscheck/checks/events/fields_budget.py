@@ -157,6 +157,7 @@ _WHY = "every event rounds each sum that it adds to by a unit of the last place 
 
 
 def _judge_budget(laboratory: Laboratory, scene: Scene) -> Judged:
+    """Every cell's budget over the run, sums over all cells, and the energy of the whole."""
     assert isinstance(scene.initial, Lattice)
     scene = scene.changed(initial=scene.initial.model_copy(update={"seed": laboratory.seed()}))
     run = run_whole(laboratory, scene)

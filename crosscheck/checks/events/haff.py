@@ -34,6 +34,7 @@ class Gas(NamedTuple):
 
 
 def _judge_haff(laboratory: Laboratory, case: Gas) -> Judged:
+    """The loss of temperature by collisions counted, and by time."""
     dimension, alpha = case
     packing, loss = PACKINGS[dimension, alpha], (1 - alpha**2) / dimension
     gas = cool(laboratory, dimension, alpha, None, packing, loss, min(2.8 / loss, 150.0), WARM)

@@ -32,6 +32,7 @@ class Rough(NamedTuple):
 
 
 def _judge_rough(laboratory: Laboratory, case: Rough) -> Judged:
+    """The ratio of temperatures that the gas settles to, and its loss of temperature there."""
     dimension, q, alpha, alpha_t = case
     ratio, packing = reference.ROUGH_RATIOS[case], ROUGH_PACKINGS[dimension]
     closure = reference.rough_ratio(alpha, alpha_t, q, dimension)

@@ -85,6 +85,7 @@ def _profiles(scene: Scene, runs: list[Run], lengths: Floats) -> _Profiles:
 
 
 def _judge_heat(laboratory: Laboratory, dimension: Literal[2, 3]) -> Judged:
+    """Flux and pressure are uniform; the flux is -kappa dT/dx with Enskog's conductivity."""
     scene = _slab(dimension, laboratory.seed())
     runs = run_on(laboratory, scene, STRETCHES, scene.duration)
     lengths = scene.lengths()

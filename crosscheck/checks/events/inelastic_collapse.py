@@ -14,6 +14,7 @@ from crosscheck.verdict import Judged, within, worst
 
 
 def _judge_collapse(laboratory: Laboratory, row: Row) -> Judged:
+    """The exact time of the collapse just below the limit, the exact number of collisions just above it."""
     gaps, velocities, wall, limit, below, above = row
     exact = line_collisions(gaps, velocities, below, wall)
     run = laboratory.run(row_scene(row, below, 2 * float(exact.times[-1])), EVENT_DRIVEN)

@@ -42,6 +42,7 @@ def _channel(seed: int, pull: float) -> Scene:
 
 
 def _judge_channel(laboratory: Laboratory, pull: float) -> Judged:
+    """Drag against weight, the power of gravity against the losses, and the profile of the shear stress."""
     scene = _channel(laboratory.seed(), pull)
     runs = run_on(laboratory, scene, STRETCHES, 400.0)
     number = scene.number

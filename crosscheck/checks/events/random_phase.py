@@ -29,6 +29,7 @@ class Draw(NamedTuple):
 
 
 def _judge_random(laboratory: Laboratory, draw: Draw) -> Judged:
+    """One visit of each grain, of one impact or of several at once where the wall recedes."""
     law, u = draw
     floor = Face(random_phase=RandomPhase(speed=1.0, law=law))
     scene = over_floor(

@@ -18,11 +18,14 @@ from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import correlated_mean
 from crosscheck.verdict import Judged, statistical
 
+#: Number of disks and their number per area; distance of centres, in diameters, up to which two are neighbours.
 _NUMBER, _DENSITY, _NEAR = 200, 0.1, 1.2
+#: Wave vectors, in units of 2 pi over the length of the box.
 _WAVES = ((1, 0), (0, 1), (1, 1), (1, -1), (2, 0), (0, 2))
 
 
 def _judge_snapshots(laboratory: Laboratory, judge: Callable[[Floats, float], Judged]) -> Judged:
+    """judge: of the positions of the samples, (samples, N, 2), and the length of the box."""
     scene = Scene(
         name="snapshots",
         dimension=2,
@@ -40,15 +43,16 @@ def _judge_snapshots(laboratory: Laboratory, judge: Callable[[Floats, float], Ju
 
 
 def _judge_modes(positions: Floats, length: float) -> Judged:
+    """The mean square of the Fourier components of the density."""
     measured, expected = [], []
-    for mode in _WAVES:
-        wave = 2 * math.pi / length * np.array(mode)
+    for vector in _WAVES:
+        wave = 2 * math.pi / length * np.array(vector)
         amplitude = np.exp(-1j * (positions @ wave)).sum(axis=1)
         measured.append(np.abs(amplitude) ** 2 / _NUMBER)
         expected.append(float(structure_factor(_DENSITY, float(np.hypot(*wave)))))
     theory = np.array(expected)
     mean = correlated_mean((np.array(measured) / theory[:, None]).mean(axis=0) * theory.mean())
-    k = np.array([2 * math.pi / length * math.hypot(*mode) for mode in _WAVES])
+    k = np.array([2 * math.pi / length * math.hypot(*vector) for vector in _WAVES])
     means = [correlated_mean(one) for one in measured]
     figure = Figure(
         "Snapshots: structure factor",
@@ -74,6 +78,7 @@ def _judge_modes(positions: Floats, length: float) -> Judged:
 
 
 def _judge_clusters(positions: Floats, length: float) -> Judged:
+    """Clusters of disks that are linked by neighbours, and the share of disks that have one."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree

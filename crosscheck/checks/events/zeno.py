@@ -15,6 +15,7 @@ from crosscheck.verdict import Judged, round_off, within, worst
 
 
 def _judge_zeno(laboratory: Laboratory, alpha: float) -> Judged:
+    """When the run ends, when each impact that samples show takes place, and how long the path is."""
     ball = BouncingBall(1.0, alpha, GRAVITY)
     scene = over_floor(Face(restitution=alpha), np.array([ball.height]), np.zeros(1), 1.5 * ball.rest, ball.rest / 4000)
     run = laboratory.run(scene, EVENT_DRIVEN)
