@@ -35,7 +35,7 @@ CHECKS = (
     Check(
         name="events/contact-duration",
         title="The TC model carries a run through an inelastic collapse",
-        equation="alpha = 1 for who has collided less than t_c ago",
+        equation="alpha = 1 in a collision of a particle whose last one was less than t_c ago",
         criterion="the run reaches its end with a finite number of collisions and less energy",
         citation="Luding & McNamara, Granul. Matter 1, 113 (1998)",
         judge=_judge_contact_duration,

@@ -54,8 +54,8 @@ def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> Visits:
     gone = (z > amplitude) & (v > 0)
     finished = gone.any(axis=0)
     sample = np.where(finished, gone.argmax(axis=0), z.shape[0] - 1)
-    who = np.arange(PHASES)
-    energies = 0.5 * v[sample, who] ** 2 + GRAVITY * z[sample, who]
+    grain_numbers = np.arange(PHASES)
+    energies = 0.5 * v[sample, grain_numbers] ** 2 + GRAVITY * z[sample, grain_numbers]
     return Visits(energies - 0.5 * u * u, np.sqrt(2 * np.maximum(energies, 0.0)), 1 - float(finished.mean()))
 
 
