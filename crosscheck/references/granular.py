@@ -1,4 +1,6 @@
-"""Granular gases: impact rules, cooling, rough particles, collapse, the bouncing ball, and vibrating floors.
+"""Granular gases: impact rules, homogeneous cooling of smooth and of rough particles.
+
+Collapse and floors have files of their own, `collapse` and `floors`.
 
 k_B = 1. alpha is the coefficient of normal restitution. Tangential restitution is alpha_t, v'_t = alpha_t v_t at the
 contact: +1 smooth, -1 perfectly rough; much of the literature writes beta = -alpha_t. q = I/(m R^2): 2/5 solid spheres,
@@ -8,8 +10,7 @@ points from 2 to 1, so that g.n < 0 before an impact. Rates of collision count a
 Literature: P. K. Haff, J. Fluid Mech. 134, 401 (1983); T. P. C. van Noije and M. H. Ernst, Granul. Matter 1, 57 (1998);
 M. Huthmann and A. Zippelius, Phys. Rev. E 56, R6275 (1997); A. Santos, G. M. Kremer and M. dos Santos, Phys. Fluids 23,
 030604 (2011); O. R. Walton, in Particulate Two-Phase Flow, ed. M. C. Roco (1993); S. F. Foerster et al., Phys. Fluids
-6, 1108 (1994); S. McNamara and W. R. Young, Phys. Fluids A 4, 496 (1992); T. Zhou and L. P. Kadanoff, Phys. Rev. E 54,
-623 (1996); B. Bernu and R. Mazighi, J. Phys. A 23, 5745 (1990).
+6, 1108 (1994); I. Goldhirsch and G. Zanetti, Phys. Rev. Lett. 70, 1619 (1993).
 """
 
 from __future__ import annotations
@@ -106,6 +107,15 @@ def sliding_limit(alpha: float, alpha_t: float, static_friction: float, q: float
     return static_friction * (1 + alpha) * (1 + 1 / q) / (1 - alpha_t)
 
 
+def sliding_slip(slip: ArrayLike, alpha: float, kinetic_friction: float, q: float) -> Floats:
+    """Tangential over normal contact velocity after an impact that slides, of like bodies.
+
+    g'_t/|g_n| = g_t/|g_n| - kinetic_friction (1 + alpha) (1 + 1/q), along the slip before (Foerster et al. 1994); one
+    that sticks has alpha_t g_t/|g_n|. slip: g_t/|g_n| before, any shape, above `sliding_limit`. q = I/(m R^2).
+    """
+    return np.asarray(np.asarray(slip, dtype=np.float64) - kinetic_friction * (1 + alpha) * (1 + 1 / q))
+
+
 def dissipated_energy(normal: ArrayLike, tangential: ArrayLike, alpha: float, alpha_t: float, q: float) -> Floats:
     """Energy lost by like bodies of mass 1 that stick: ((1 - alpha^2) g_n^2 + (q/(1+q)) (1 - alpha_t^2) g_t^2)/4."""
     n, t = np.asarray(normal, dtype=np.float64), np.asarray(tangential, dtype=np.float64)
@@ -172,6 +182,37 @@ def temperature_after(collisions: ArrayLike, alpha: float, dimension: int, a2: f
     return np.asarray(np.exp(-(1 - alpha**2) * s / dimension * (1 + 3 * a2 / 16) / rate_factor(a2)))
 
 
+def best_cumulant(alpha: float, dimension: int) -> Estimate:
+    """a_2 as simulated where it is known, `FOURTH_CUMULANTS`; else linear theory, which is off by up to 0.007 there."""
+    known = FOURTH_CUMULANTS.get((dimension, alpha))
+    return known or Estimate(fourth_cumulant(alpha, dimension), 0.004)
+
+
+def clustering_length(loss: float, density: float, dimension: int) -> float:
+    """Box length above which shear modes grow against the cooling gas, in diameters: 2 pi sqrt(2 nu/zeta).
+
+    A vortex of wave number k decays at nu k^2, the thermal speed at zeta/2 (Goldhirsch and Zanetti 1993). nu is that of
+    a dilute gas (Chapman and Cowling, first approximation), hence k^2 = 2 pi n^2 loss for disks and 6.4 pi n^2 loss for
+    spheres. loss: -dln T/ds per collision of a particle, which is zeta in units of its collision rate. density: number
+    of particles per area or volume, diameter 1. dimension: 2 or 3.
+    """
+    factor = 2.0 if dimension == 2 else 6.4
+    return float(2 * np.pi / (density * (factor * np.pi * loss) ** 0.5))
+
+
+def vortex_excess(number: int, length: float, dimension: int) -> float:
+    """Relative energy of the flow beyond equilibrium's, (d - 1)/(d N) sum over k of 1/((k/k*)^2 - 1), k* = 2 pi/L*.
+
+    A shear mode decays, against the thermal speed, at nu k^2 - zeta/2 (Goldhirsch and Zanetti 1993), while noise feeds
+    it as in equilibrium. Summed over the longest modes, k L/2 pi up to 2: an estimate. number: of particles. length: of
+    the box, in units of `clustering_length`, below 1. dimension: 2 or 3.
+    """
+    axes = np.meshgrid(*[np.arange(-2, 3)] * dimension)
+    squares = np.sum(np.square(axes), axis=0)
+    squares = squares[(squares > 0) & (squares <= 4)] / length**2
+    return float((dimension - 1) / (dimension * number) * np.sum(1 / (squares - 1)))
+
+
 # -- homogeneous cooling of rough particles ----------------------------------------------------------------------------
 
 
@@ -223,219 +264,3 @@ ROUGH_RATIOS = {
     (2, 0.5, 0.9, 0.0): Estimate(0.443, 0.0025),
     (2, 0.5, 0.9, -0.5): Estimate(0.770, 0.004),
 }
-
-
-# -- collapse and the bouncing ball ------------------------------------------------------------------------------------
-
-#: Three particles on a line collapse if alpha is below 7 - 4 sqrt 3 (McNamara and Young 1992).
-THREE_PARTICLE_COLLAPSE = 7 - 4 * 3**0.5
-#: In two and three dimensions that collapse is stable below 9 - 4 sqrt 5 (Zhou and Kadanoff 1996).
-STABLE_COLLAPSE = 9 - 4 * 5**0.5
-
-
-def wall_collapse(number: int) -> float:
-    """alpha below which N particles thrown at a wall, all restitutions alike, collapse: tan^2(pi/4 (1 - 1/N)).
-
-    Bernu and Mazighi (1990). The wall has the particles' restitution: it stands for the mirror image of the N, and 2 N
-    free particles have the same limit (3, put for 2 N, gives 7 - 4 sqrt 3). One particle never collapses: 0. From
-    memory of the literature, checked for N = 2 ... 5 against the eigenvalues of waves of collisions.
-    """
-    return float(np.tan(np.pi / 4 * (1 - 1 / number)) ** 2)
-
-
-class BouncingBall(NamedTuple):
-    """A ball dropped from `height` on a floor at rest at time 0, with restitution alpha < 1; a point."""
-
-    height: float
-    alpha: float
-    gravity: float
-
-    @property
-    def fall(self) -> float:
-        """Time of the first impact, sqrt(2 h/g)."""
-        return (2 * self.height / self.gravity) ** 0.5
-
-    @property
-    def rest(self) -> float:
-        """Time by which infinitely many impacts are over: sqrt(2 h/g) (1 + alpha)/(1 - alpha)."""
-        return self.fall * (1 + self.alpha) / (1 - self.alpha)
-
-    @property
-    def path(self) -> float:
-        """Length of the whole path, h (1 + alpha^2)/(1 - alpha^2)."""
-        return self.height * (1 + self.alpha**2) / (1 - self.alpha**2)
-
-    def apex(self, bounce: int) -> float:
-        """Height after the given number of impacts, h alpha^(2 k)."""
-        return self.height * self.alpha ** (2 * bounce)
-
-    def impact_time(self, bounce: int) -> float:
-        """Time of impact 1, 2, ...: fall (1 + 2 (alpha + ... + alpha^(k-1)))."""
-        a = self.alpha
-        return self.fall * (1 + 2 * a * (1 - a ** (bounce - 1)) / (1 - a))
-
-
-# -- vibrating floors --------------------------------------------------------------------------------------------------
-#
-# z points up. A particle comes down with velocity -u, u > 0; the plate has velocity V, positive upwards, of amplitude
-# V0 = A omega. Of a plate of infinite mass and restitution e the particle leaves with v' = (1 + e) V + e u; particles
-# of mass 1. Frequency to infinity, A to 0: the particle meets the plate at z = 0 with some phase.
-
-
-def rebound(u: ArrayLike, plate: ArrayLike, restitution: float = 1.0) -> Floats:
-    """v' = (1 + e) V + e u, positive upwards; 2 V + u on an elastic plate. It may be negative where V < 0."""
-    return np.asarray((1 + restitution) * np.asarray(plate) + restitution * np.asarray(u), dtype=np.float64)
-
-
-def uniform_phase_density(plate: ArrayLike, amplitude: float) -> Floats:
-    """p(V) = 1/(pi sqrt(V0^2 - V^2)) for |V| < V0: a plate seen at a time drawn at random, whatever u."""
-    x = np.asarray(plate, dtype=np.float64) / amplitude
-    inside = abs(x) < 1
-    return np.where(inside, 1 / (np.pi * amplitude * np.sqrt(np.where(inside, 1 - x * x, 1.0))), 0.0)
-
-
-def flux_phase_density(plate: ArrayLike, u: float, amplitude: float) -> Floats:
-    """p(V) proportional to (u + V)_+ / sqrt(V0^2 - V^2): phases weighted with the relative speed of approach.
-
-    For u >= V0 the law of a vibrating plate's first impact in the limit: the path of each particle crosses the plate's
-    once, and crossings are as dense as the relative speed. For u < V0 the path may cross more than once, and the first
-    crossing shadows the others. A particle that leaves slowly is hit again: one visit is one impact for u >= 3 V0 only.
-    `visit_gain` has the visit as a whole.
-    """
-    v = np.asarray(plate, dtype=np.float64)
-    return uniform_phase_density(v, amplitude) * np.maximum(u + v, 0.0) / flux_mean_approach(u, amplitude)
-
-
-def flux_mean_approach(u: float, amplitude: float) -> float:
-    """<(u + V)_+> over uniform phases: u for u >= V0, else (u (pi - acos(u/V0)) + sqrt(V0^2 - u^2))/pi."""
-    if u >= amplitude:
-        return u
-    return float((u * (np.pi - np.arccos(u / amplitude)) + (amplitude**2 - u**2) ** 0.5) / np.pi)
-
-
-def uniform_phase_gain(u: float, amplitude: float, restitution: float = 1.0) -> float:
-    """Mean energy gained at an impact under `uniform_phase_density`, V0^2 for e = 1.
-
-    ((1 + e)^2 V0^2/2 - (1 - e^2) u^2)/2, for all u; it counts impacts with V < -u, which no plate makes.
-    """
-    return 0.5 * ((1 + restitution) ** 2 * amplitude**2 / 2 - (1 - restitution**2) * u**2)
-
-
-def flux_phase_gain(u: float, amplitude: float, restitution: float = 1.0) -> float:
-    """Mean energy gained at an impact under `flux_phase_density`; 2 V0^2 for e = 1 and u >= V0.
-
-    For u >= V0, where <V> = V0^2/2u and <V^2> = V0^2/2: ((1 + e)^2 V0^2/2 + 2 e (1 + e) V0^2/2 - (1 - e^2) u^2)/2.
-    Below V0 by quadrature over the phase, to 1e-10.
-    """
-    e = restitution
-    if u >= amplitude:
-        return 0.5 * ((1 + e) ** 2 * amplitude**2 / 2 + e * (1 + e) * amplitude**2 - (1 - e**2) * u**2)
-    from scipy.integrate import quad
-
-    # V = V0 cos(phase), and u + V > 0 up to the phase acos(-u/V0)
-    last = np.arccos(-u / amplitude)
-
-    def gain(phase: float) -> float:
-        plate = amplitude * np.cos(phase)
-        return float((u + plate) * 0.5 * (rebound(u, plate, e) ** 2 - u * u))
-
-    total, _ = quad(gain, 0.0, last, epsabs=0, epsrel=1e-11)
-    return float(total / np.pi / flux_mean_approach(u, amplitude))
-
-
-def visit_gain(u: float, restitution: float = 1.0, phases: int = 4000) -> Estimate:
-    """Mean energy gained in a whole visit to the plate in the limit of high frequency, V0 = 1, from `plate_visit`.
-
-    Mean over equally spaced phases. Elastic: 1.667, 2.060, 2.087, 2.140, 2.134, 2 for u = 0.25, 0.5, 1, 1.5, 2, 3,
-    where `flux_phase_gain` has 1.575, 1.774 and then 2, and a uniform phase 1. The gain has jumps as a function of the
-    phase, each of at most 2 (1 + u) and off by one phase: the uncertainty is that of four of them.
-    """
-    gains = [
-        0.5 * (plate_visit(u, phase, restitution).velocity ** 2 - u * u)
-        for phase in 2 * np.pi * (np.arange(phases) + 0.5) / phases
-    ]
-    return Estimate(float(np.mean(gains)), 8 * (1 + u) / phases)
-
-
-def sawtooth_gain(u: float, amplitude: float, restitution: float = 1.0) -> float:
-    """Energy gained on a plate that always moves up with V0: 2 V0 (V0 + u) for e = 1."""
-    return float(0.5 * (rebound(u, amplitude, restitution) ** 2 - u * u))
-
-
-def plate_impact_time(
-    height: float,
-    velocity: float,
-    time: float,
-    amplitude: float,
-    omega: float,
-    gravity: float = 0.0,
-    horizon: float = np.inf,
-) -> float:
-    """First t > `time` at which z = height + velocity s - g s^2/2, s = t - time, meets A cos(omega t); long double.
-
-    With F(s) the gap and M = g + A omega^2 >= |F''|, no root lies before s + (F' + sqrt(F'^2 + 2 M F))/M: steps of that
-    length go up to the first root from below, cannot pass it, and are Newton's at the end (linear at a grazing hit). A
-    particle that leaves the plate starts with F = 0, F' > 0. Infinity if the gap is still open after `horizon`.
-    ValueError if the particle starts below the plate, or on it with F' <= 0.
-    """
-    real = np.longdouble
-    h, v, t0, a, w, g = (real(x) for x in (height, velocity, time, amplitude, omega, gravity))
-    bound = g + a * w * w
-    rounding = 8 * np.finfo(real).eps * (abs(h) + a)
-    # on the plate, but for what float64 rounds of the height and the phase
-    touching = 8 * np.finfo(np.float64).eps * (abs(h) + a * (1 + w * abs(t0)))
-
-    def gap(s: np.longdouble) -> tuple[np.longdouble, np.longdouble]:
-        phase = w * (t0 + s)
-        return h + v * s - g * s * s / 2 - a * np.cos(phase), v - g * s + a * w * np.sin(phase)
-
-    s = real(0)
-    f, slope = gap(s)
-    if f < -touching or (f <= touching and slope <= 0):
-        raise ValueError("the particle must start above the plate, or on it and leave")
-    f = real(0) if f <= touching else f
-    while True:
-        step = (slope + np.sqrt(slope * slope + 2 * bound * f)) / bound if slope > 0 else _falling(f, slope, bound)
-        new = s + step
-        if new > horizon:
-            return float(np.inf)
-        f, slope = gap(new)
-        if f <= rounding or new == s:
-            return float(t0 + new)
-        s = new
-
-
-def _falling(f: np.longdouble, slope: np.longdouble, bound: np.longdouble) -> np.longdouble:
-    """(F' + sqrt(F'^2 + 2 M F))/M for F' <= 0, without cancellation."""
-    return np.longdouble(2 * f / (np.sqrt(slope * slope + 2 * bound * f) - slope))
-
-
-class Visit(NamedTuple):
-    """Plate velocity at the first impact, velocity on leaving, and the number of impacts of one visit to the plate."""
-
-    plate: float
-    velocity: float
-    impacts: int
-
-
-def plate_visit(u: float, phase: float, restitution: float = 1.0, most: int = 1000) -> Visit:
-    """One visit to a sinusoidal plate in the limit of high frequency, exactly; velocities in units of V0.
-
-    In units A = omega = V0 = 1 without gravity (it does nothing in the limit) the particle comes from z = 2 with
-    velocity -u, u > 0, when the plate z = cos t has the phase `phase`; for a phase uniform in [0, 2 pi) this is the law
-    that finite amplitudes converge to. It ends when the particle is above z = 1 and rises. RuntimeError after `most`
-    impacts (restitution < 1 lets a particle settle on the plate).
-    """
-    height, velocity, time = 2.0, -u, phase
-    first = np.nan
-    for impacts in range(1, most + 1):
-        # one that rises passes z = 1 after at most 2/velocity; one that falls meets the plate before z = -1
-        horizon = 2 / velocity + 1e-9 if velocity > 0 else np.inf
-        hit = plate_impact_time(height, velocity, time, 1.0, 1.0, horizon=horizon)
-        if hit == np.inf:
-            return Visit(first, velocity, impacts - 1)
-        plate = -np.sin(hit)
-        first = plate if impacts == 1 else first
-        velocity = (1 + restitution) * plate - restitution * velocity
-        height, time = float(np.cos(hit)), hit
-    raise RuntimeError(f"{most} impacts in one visit")

@@ -22,14 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check, soft
-from crosscheck.checks.events.driven import (
-    DRUM_RADIUS,
-    DRUM_SAMPLE,
-    drum_scene,
-    snapshot_figure,
-    surface_angle,
-)
-from crosscheck.checks.events.fields import run_whole
+from crosscheck.checks.events.driven import run_whole, snapshot_figure
+from crosscheck.checks.events.drum import DRUM_RADIUS, DRUM_SAMPLE, drum_scene, surface_angle
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault

@@ -1,4 +1,4 @@
-"""Impact rules by conservation laws, cooling by exact quadrature of the collision integrals, floors by simulation."""
+"""Impact rules by conservation laws, cooling by exact quadrature of the collision integrals."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import solve_ivp
 
 from crosscheck.references import granular as gr
+from crosscheck.references.floors import rebound
+from crosscheck.references.hard_spheres import collision_rate, packing_fraction
 
 #: Standard errors allowed to a seeded Monte Carlo mean: fixed by the seed, once in 10^5 by chance otherwise.
 SIGMAS = 4.5
@@ -117,6 +119,17 @@ def test_sliding_sets_in_at_the_limit(factor: float) -> None:
     assert done.sliding == (factor > 1)
 
 
+@pytest.mark.parametrize("slip", [2.0, 5.0])
+@pytest.mark.parametrize("q", [0.4, 0.5])
+def test_sliding_slip_is_that_of_the_impact_rule(slip: float, q: float) -> None:
+    bodies = [gr.Body(1.0, 0.5, velocity, np.zeros(3), q) for velocity in (np.array([-1.0, slip, 0.0]), np.zeros(3))]
+    normal = np.array([1.0, 0.0, 0.0])
+    done = gr.impact(bodies[0], bodies[1], normal, 0.8, -0.5, 0.2, 0.1)
+    rebound_velocity = gr.contact_velocity(after(bodies[0], done, 0), after(bodies[1], done, 1), normal)
+    assert done.sliding
+    assert rebound_velocity[1] == pytest.approx(float(gr.sliding_slip(slip, 0.8, 0.1, q)))
+
+
 def test_smooth_impact_exchanges_normal_components_and_leaves_spins() -> None:
     one, two, normal, _ = random_impact(3, planar=False, like=True)
     if gr.contact_velocity(one, two, normal) @ normal > 0:
@@ -133,7 +146,7 @@ def test_moving_wall() -> None:
     wall = gr.Body(math.inf, 0.0, np.array([0.0, 0.0, 0.7]), np.zeros(3))
     ball = gr.Body(2.0, 0.5, np.array([1.0, 0.0, -1.3]), np.zeros(3))
     done = gr.impact(ball, wall, np.array([0.0, 0.0, 1.0]), 0.8, 0.0)
-    assert done.velocities[0][2] == pytest.approx(float(gr.rebound(1.3, 0.7, 0.8)))
+    assert done.velocities[0][2] == pytest.approx(float(rebound(1.3, 0.7, 0.8)))
     np.testing.assert_array_equal(done.velocities[1], wall.velocity)
     np.testing.assert_array_equal(done.spins[1], 0)
     # sticking from no spin: 1/(1 + q) of the speed is kept, as when a ball comes to roll
@@ -228,6 +241,34 @@ def test_haff_solves_the_cooling_equation(dimension: int, alpha: float, rate: fl
     assert gr.temperature_after(collisions, alpha, dimension, a2) == pytest.approx(temperature, rel=1e-6)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_clustering_length_from_the_viscosity(dimension: int) -> None:
+    # nu k^2 = zeta/2; viscosities of dilute disks and spheres, sqrt(T m/pi)/2 sigma and 5 sqrt(T m/pi)/16 sigma^2
+    density, loss, temperature = 1e-4, 0.1, 1.7
+    nu = {2: 0.5, 3: 5 / 16}[dimension] * (temperature / np.pi) ** 0.5 / density
+    zeta = loss * collision_rate(packing_fraction(density, dimension), dimension, temperature).value
+    expected = 2 * np.pi * (2 * nu / zeta) ** 0.5
+    assert gr.clustering_length(loss, density, dimension) == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "shells"), [(2, [(4, 1), (4, 2), (4, 4)]), (3, [(6, 1), (12, 2), (8, 3), (6, 4)])]
+)
+def test_vortex_excess_sums_the_shells(dimension: int, shells: list[tuple[int, int]]) -> None:
+    expected = sum(vectors / (4 * square - 1) for vectors, square in shells) * (dimension - 1) / (dimension * 100)
+    assert gr.vortex_excess(100, 0.5, dimension) == pytest.approx(expected)
+
+
+@both
+def test_best_cumulant_is_the_simulated_one_or_linear_theory(dimension: int) -> None:
+    assert gr.best_cumulant(0.8, dimension) == gr.FOURTH_CUMULANTS[dimension, 0.8]
+    assert gr.best_cumulant(0.9, dimension).value == pytest.approx(gr.fourth_cumulant(0.9, dimension))
+    # the uncertainty of linear theory holds where it is used: near its neighbour among the simulations
+    known = gr.FOURTH_CUMULANTS[dimension, 0.95]
+    error = gr.fourth_cumulant(0.95, dimension) - known.value
+    assert abs(error) < 2 * math.hypot(gr.best_cumulant(0.9, dimension).uncertainty, known.uncertainty)
+
+
 # -- rough particles ------------------------------------------------------------------------------------
 
 
@@ -286,187 +327,3 @@ def test_elastic_rough_particles_share_the_energy() -> None:
     assert gr.rough_rates(1.0, 0.3, 0.9, 1.0, 0.4, 3) == pytest.approx((gr.cooling_rate(0.9, 3, 1.0) * -1, 0))
     with pytest.raises(ValueError, match="smooth"):
         gr.rough_ratio(0.9, 1.0, 0.4, 3)
-
-
-# -- collapse and the ball ------------------------------------------------------------------------------
-
-
-def pair(size: int, k: int, r: float) -> np.ndarray:
-    """Velocities of a line of particles after particles k and k + 1 collide."""
-    matrix = np.eye(size)
-    matrix[k : k + 2, k : k + 2] = [[(1 - r) / 2, (1 + r) / 2], [(1 + r) / 2, (1 - r) / 2]]
-    return matrix
-
-
-def collapses(sequence: np.ndarray) -> bool:
-    """A sequence of collisions repeats for ever only if all velocities shrink alike: a real eigenvalue in (0, 1)."""
-    values = np.linalg.eigvals(sequence)
-    return bool(((abs(values.imag) < 1e-9) & (values.real > 0) & (values.real < 1 - 1e-9)).any())
-
-
-@pytest.mark.parametrize("shift", [-1e-4, 1e-4])
-def test_three_particles_collapse_below_the_threshold(shift: float) -> None:
-    r = gr.THREE_PARTICLE_COLLAPSE + shift
-    assert collapses(pair(3, 0, r) @ pair(3, 1, r)) == (shift < 0)
-    assert gr.STABLE_COLLAPSE < gr.THREE_PARTICLE_COLLAPSE
-
-
-@pytest.mark.parametrize("number", [2, 3, 4, 5])
-@pytest.mark.parametrize("shift", [-1e-3, 1e-3])
-def test_collapse_on_a_wall_of_the_same_restitution(number: int, shift: float) -> None:
-    """Waves of collisions: all pairs of one parity and then of the other, in a line of N particles and their images."""
-    r = gr.wall_collapse(number) + shift
-    even, odd = np.eye(2 * number), np.eye(2 * number)
-    for k in range(0, 2 * number - 1, 2):
-        even = even @ pair(2 * number, k, r)
-    for k in range(1, 2 * number - 1, 2):
-        odd = odd @ pair(2 * number, k, r)
-    # the motion that mirrors itself: v_k = -v_(2N-1-k)
-    mirror = np.vstack([np.eye(number), -np.eye(number)[::-1]])
-    step = (even @ odd @ mirror)[:number]
-    assert collapses(step) == (shift < 0)
-
-
-def test_collapse_limits() -> None:
-    assert gr.wall_collapse(1) == 0
-    assert gr.wall_collapse(2) == pytest.approx(3 - 8**0.5)
-    assert gr.wall_collapse(3) == pytest.approx(1 / 3)
-    # N (1 - alpha) -> pi
-    assert 1e5 * (1 - gr.wall_collapse(10**5)) == pytest.approx(math.pi, rel=1e-4)
-
-
-@given(alpha=st.floats(0.05, 0.95), height=st.floats(0.1, 10), gravity=st.floats(0.1, 10))
-def test_bouncing_ball_is_the_sum_of_its_bounces(alpha: float, height: float, gravity: float) -> None:
-    ball = gr.BouncingBall(height, alpha, gravity)
-    speed, time, path = (2 * gravity * height) ** 0.5, (2 * height / gravity) ** 0.5, height
-    for bounce in range(1, 800):
-        assert ball.impact_time(bounce) == pytest.approx(time, rel=1e-11)
-        speed *= alpha
-        assert ball.apex(bounce) == pytest.approx(speed**2 / (2 * gravity), rel=1e-11)
-        time, path = time + 2 * speed / gravity, path + speed**2 / gravity
-        if speed < 1e-18:
-            break
-    assert ball.rest == pytest.approx(time, rel=1e-11)
-    assert ball.path == pytest.approx(path, rel=1e-11)
-
-
-def test_bouncing_ball_at_a_known_point() -> None:
-    assert gr.BouncingBall(1.0, 0.8, 9.81).rest == pytest.approx(4.063713, abs=5e-7)
-
-
-# -- floors ---------------------------------------------------------------------------------------------
-
-
-@given(u=st.floats(0.05, 4), e=st.floats(0, 1))
-def test_floor_laws_by_quadrature(u: float, e: float) -> None:
-    """Over the phase: V = V0 cos, so that the density's poles are gone."""
-    v0 = 1.3
-
-    def mean(law: str, what: str) -> float:
-        # p(V) dV = p(V) pi sqrt(V0^2 - V^2) dphase/pi; uniform: 1
-        def integrand(phase: float) -> float:
-            plate = v0 * math.cos(phase)
-            weight = 1.0 if law == "uniform" else max(u + plate, 0) / gr.flux_mean_approach(u, v0)
-            gain = 0.5 * (float(gr.rebound(u, plate, e)) ** 2 - u * u)
-            return weight * {"one": 1.0, "gain": gain, "plate": plate}[what]
-
-        edge = [math.acos(-u / v0)] if u < v0 else None
-        return quad(integrand, 0, math.pi, points=edge, epsabs=1e-12, epsrel=1e-10)[0] / math.pi
-
-    assert mean("flux", "one") == pytest.approx(1, rel=1e-9)
-    assert mean("uniform", "gain") == pytest.approx(gr.uniform_phase_gain(u, v0, e), abs=1e-9)
-    assert mean("flux", "gain") == pytest.approx(gr.flux_phase_gain(u, v0, e), abs=1e-9)
-    if u >= v0:
-        assert mean("flux", "plate") == pytest.approx(v0**2 / (2 * u), rel=1e-9)
-
-
-@given(u=st.floats(0.05, 4), plate=st.floats(-1.2, 1.2))
-def test_floor_densities(u: float, plate: float) -> None:
-    v0 = 1.3
-    uniform = 1 / (math.pi * (v0**2 - plate**2) ** 0.5)
-    assert gr.uniform_phase_density(plate, v0) == pytest.approx(uniform, rel=1e-12)
-    expected = uniform * max(u + plate, 0) / gr.flux_mean_approach(u, v0)
-    assert gr.flux_phase_density(plate, u, v0) == pytest.approx(expected, rel=1e-12)
-    assert gr.uniform_phase_density(1.4, v0) == 0
-
-
-def test_elastic_gains() -> None:
-    assert gr.uniform_phase_gain(0.3, 1.3) == pytest.approx(1.3**2)
-    assert gr.flux_phase_gain(1.5, 1.3) == pytest.approx(2 * 1.3**2)
-    assert gr.flux_phase_gain(1.3 - 1e-9, 1.3) == pytest.approx(gr.flux_phase_gain(1.3, 1.3), rel=1e-6)
-    assert gr.sawtooth_gain(0.5, 1.3) == pytest.approx(2 * 1.3 * 1.8)
-
-
-@given(
-    height=st.floats(1.0, 5.0),
-    velocity=st.floats(-5, 5),
-    time=st.floats(0, 10),
-    omega=st.floats(0.3, 8),
-    gravity=st.floats(0.5, 3),
-)
-def test_plate_impact_is_the_first_crossing(
-    height: float, velocity: float, time: float, omega: float, gravity: float
-) -> None:
-    found = gr.plate_impact_time(height, velocity, time, 0.9, omega, gravity)
-    s = np.linspace(0, found - time, 4000)
-
-    def gap(x: np.ndarray) -> np.ndarray:
-        return height + velocity * x - gravity * x * x / 2 - 0.9 * np.cos(omega * (time + x))
-
-    scale = height + abs(velocity) * s[-1] + gravity * s[-1] ** 2
-    steepness = abs(velocity) + gravity * s[-1] + 0.9 * omega
-    rounding = 8 * np.finfo(float).eps * (scale + steepness * (found + 1))
-    assert gap(s)[:-1].min() > -rounding
-    assert abs(gap(s)[-1]) < rounding
-
-
-def test_plate_impact_finds_a_graze_and_the_hit_beside_it() -> None:
-    """A straight path that touches the crest, raised and lowered by 1e-10."""
-    # z = h - u s touches z = cos t where sin t = u: h = cos t + u t
-    u = 0.4
-    crest = math.asin(u)
-    height, start = math.cos(crest) + u * crest, -3.0
-    above, below = (gr.plate_impact_time(height + shift - u * start, -u, start, 1.0, 1.0) for shift in (1e-10, -1e-10))
-    assert below == pytest.approx(crest, abs=2e-5)
-    assert above > 2
-
-
-def test_plate_impact_after_leaving() -> None:
-    """A particle that leaves the plate finds its next impact, not the one it comes from."""
-    start = 0.3
-    nxt = gr.plate_impact_time(math.cos(start), 2.0, start, 1.0, 1.0, gravity=1.0)
-    assert nxt > start + 1
-    assert gr.plate_impact_time(math.cos(start), 2.0, start, 1.0, 1.0, horizon=50.0) == math.inf
-    for height, velocity in ((0.5, 1.0), (1.0, -1.0)):
-        with pytest.raises(ValueError, match="must start above the plate"):
-            gr.plate_impact_time(height, velocity, 0.0, 1.0, 1.0, gravity=1.0)
-
-
-@pytest.mark.parametrize("u", [1.0, 1.5, 3.5])
-def test_first_impacts_follow_the_flux_law(u: float) -> None:
-    """u >= V0: <V> = V0^2/2u, the cumulative distribution, and for fast particles one impact a visit."""
-    phases = 2 * np.pi * (np.arange(800) + 0.5) / 800
-    visits = [gr.plate_visit(u, phase) for phase in phases]
-    plates = np.sort([visit.plate for visit in visits])
-    # equally spaced phases of a smooth function of the phase; at u = V0 it has a square-root kink
-    assert plates.mean() == pytest.approx(1 / (2 * u), abs=1e-12 if u > 1 else 1e-4)
-    cumulative = 0.5 + (np.arcsin(plates) - (1 - plates**2) ** 0.5 / u) / np.pi
-    np.testing.assert_allclose(cumulative, (np.arange(800) + 0.5) / 800, atol=2 / 800)
-    if u > 3:
-        assert max(visit.impacts for visit in visits) == 1
-        gain = gr.visit_gain(u, phases=400)
-        assert gain.value == pytest.approx(gr.flux_phase_gain(u, 1.0), abs=1e-9)
-
-
-def test_visits_gain_more_than_single_impacts() -> None:
-    for u, expected in ((0.25, 1.667), (0.5, 2.060), (1.5, 2.140)):
-        gain = gr.visit_gain(u, phases=800)
-        assert abs(gain.value - expected) < gain.uncertainty
-        assert gain.value > gr.flux_phase_gain(u, 1.0) + 0.05
-        assert gain.value > gr.uniform_phase_gain(u, 1.0) + 0.5
-
-
-def test_a_particle_may_settle_on_the_plate() -> None:
-    """Without rebound it leaves when the plate slows down, and is back at once."""
-    with pytest.raises(RuntimeError, match="50 impacts in one visit"):
-        gr.plate_visit(0.5, 1.0, restitution=0.0, most=50)

@@ -1,0 +1,209 @@
+"""Elastic disks and spheres between two thermal walls."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
+from crosscheck.checks.events.driven import (
+    OBSERVABLES,
+    STEADY,
+    STRETCHES,
+    curve,
+    energy_budget,
+    field,
+    field_figure,
+    last,
+    run_on,
+    steady_mean,
+    temperature,
+)
+from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.protocol import Run
+from crosscheck.faults import Fault
+from crosscheck.figure import Figure, Frame, Series
+from crosscheck.references.conduction import enskog_conductivity, fourier_profile
+from crosscheck.scene import Box, Face, Floats, HardSpheres, Lattice, Output, Scene
+from crosscheck.statistics import correlated_mean
+from crosscheck.verdict import Judged, Judgement, bounded, statistical, worst
+
+
+def _slab(dimension: Literal[2, 3], seed: int) -> Scene:
+    """Elastic disks or spheres between walls at T = 4 and 1, periodic sideways, 0.2 a unit of volume."""
+    lengths = (60.0, 30.0) if dimension == 2 else (30.0, 8.0, 8.0)
+    number = round(0.2 * math.prod(lengths))
+    return Scene(
+        name=f"slab-{dimension}d",
+        dimension=dimension,
+        duration=2000.0 if dimension == 2 else 400.0,
+        hard_spheres=HardSpheres(),
+        box=Box(
+            lengths=lengths,
+            boundaries=("hard", "periodic") if dimension == 2 else ("hard", "periodic", "periodic"),
+            faces={"x-": Face(temperature=4.0), "x+": Face(temperature=1.0)},
+        ),
+        initial=Lattice(
+            kind="lattice", structure="square" if dimension == 2 else "sc", number=number, temperature=2.0, seed=seed
+        ),
+        output=Output(
+            interval=2000.0 if dimension == 2 else 400.0,
+            observables=OBSERVABLES,
+            fields=(12, 6) if dimension == 2 else (12, 1, 1),
+        ),
+    )
+
+
+#: Cells along x, and those next to either wall that are left out: the gas slips there.
+_CELLS, _EDGE = 12, 2
+
+
+class _Profiles(NamedTuple):
+    """Of every stretch: T and n of the cells, heat flux and pressure where cells meet, heat through the two walls."""
+
+    temperature: Floats
+    density: Floats
+    heat: Floats
+    pressure: Floats
+    walls: Floats
+
+
+def _profiles(scene: Scene, runs: list[Run], lengths: Floats) -> _Profiles:
+    area, step = float(np.prod(lengths[1:])), lengths[0] / _CELLS
+    beside = tuple(range(2, 1 + scene.dimension))
+    mass, momentum, kinetic = (field(runs, name).sum(axis=beside) for name in ("mass", "momentum", "kinetic"))
+    scale = area * scene.duration
+    return _Profiles(
+        temperature(mass, momentum, kinetic),
+        mass / scene.duration / (area * step),
+        field(runs, "flux_energy")[:, 0].sum(axis=beside)[:, 1:] / scale,
+        field(runs, "flux_momentum")[:, 0].sum(axis=beside)[:, 1:, 0] / scale,
+        last(runs, "wall_energy")[:, :2] * [1, -1] / scale,
+    )
+
+
+def _judge_heat(laboratory: Laboratory, dimension: Literal[2, 3]) -> Judged:
+    """Flux and pressure are uniform; the flux is -kappa dT/dx with Enskog's conductivity."""
+    scene = _slab(dimension, laboratory.seed())
+    runs = run_on(laboratory, scene, STRETCHES, scene.duration)
+    lengths = scene.lengths()
+    assert lengths is not None
+    found = _profiles(scene, runs, lengths)
+    hot, heat, pressure = found.temperature, found.heat, found.pressure
+    step = lengths[0] / _CELLS
+    x = np.arange(1, _CELLS) * step
+    lever = (x - x.mean()) / np.sum((x - x.mean()) ** 2) * lengths[0]
+    q = float(heat.mean())
+    judgements = [
+        energy_budget(runs),
+        steady_mean(heat @ lever / q, "change of the heat flux from wall to wall, over the flux", 0.0, 0.1),
+        steady_mean(
+            found.walls.mean(axis=1) / heat.mean(axis=1), "heat through the walls over the flux inside", 1.0, 0.05
+        ),
+        steady_mean(
+            pressure @ lever / pressure.mean(), "change of the pressure from wall to wall, over the pressure", 0.0, 0.02
+        ),
+        _conductivity(found, step, dimension),
+        bounded(
+            "rise of T from one cell to the next towards the cold wall, largest",
+            float(np.diff(hot.mean(axis=0)).max()),
+            0.0,
+            "temperature falls all the way",
+        ),
+    ]
+    figures = _profile_figures(found, lengths[0], dimension)
+    if dimension == 2:
+        frame = Frame(0.0, lengths[0], 0.0, lengths[1], ("left", "right"))
+        total = [field(runs, name).sum(axis=0) for name in ("mass", "momentum", "kinetic")]
+        cell = STRETCHES * scene.duration * float(np.prod(lengths)) / total[0].size
+        figures += [
+            field_figure("Heat conduction: temperature, cells", temperature(*total), frame, "T"),
+            field_figure("Heat conduction: density, cells", total[0] / cell, frame, "n"),
+        ]
+    jumps = 4.0 - (1.5 * hot[:, 0] - 0.5 * hot[:, 1]).mean(), (1.5 * hot[:, -1] - 0.5 * hot[:, -2]).mean() - 1.0
+    note = f"q = {q:.4g}, p = {pressure.mean():.4g}, jumps of T at the walls about {jumps[0]:.2g} and {jumps[1]:.2g}"
+    return worst(judgements, note, tuple(figures))
+
+
+def _conductivity(found: _Profiles, step: float, dimension: int) -> Judgement:
+    """The flux over -kappa dT/dx between neighbouring cells, with the Enskog kappa of their mean state."""
+    hot, density = found.temperature, found.density
+    inner = range(_EDGE, _CELLS - 1 - _EDGE)
+    states = [
+        (0.5 * (density[:, i] + density[:, i + 1]).mean(), 0.5 * (hot[:, i] + hot[:, i + 1]).mean()) for i in inner
+    ]
+    theory = np.array([enskog_conductivity(float(n), float(t), dimension).value for n, t in states])
+    gradient = np.array([(hot[:, i] - hot[:, i + 1]) / step for i in inner]).T
+    ratio = correlated_mean(found.heat.mean(axis=1) / (gradient * theory).mean(axis=1))
+    doubt = 0.03 if dimension == 2 else 0.02
+    return statistical(
+        "conductivity over Enskog's",
+        ratio.value,
+        ratio.error,
+        1.0,
+        doubt,
+        f"{STEADY}; theory uncertain by {doubt:.0%}, cells next to the walls left out",
+        samples=ratio.independent,
+        needed=0.25,
+    )
+
+
+def _profile_figures(found: _Profiles, length: float, dimension: int) -> list[Figure]:
+    """Temperature, with Fourier's law, density and heat flux along x; length: from wall to wall."""
+    hot, density = found.temperature, found.density
+    step, label = length / _CELLS, f"{dimension}D"
+    middle = (np.arange(_CELLS) + 0.5) * step
+    flux = float(found.heat.mean())
+    x, theory = fourier_profile(middle, density.mean(axis=0), hot.mean(axis=0), flux, length / 2, dimension)
+    fourier = Series(
+        f"{label}, Fourier with Enskog's conductivity", x[::20].tolist(), theory[::20].tolist(), theory=True
+    )
+    places = np.concatenate([[0.0], np.arange(1, _CELLS) * step, [length]])
+    fluxes = np.column_stack([found.walls[:, 0], found.heat, found.walls[:, 1]])
+    return [
+        Figure("Heat conduction: temperature", "x", "T", series=(curve(label, middle, hot), fourier)),
+        Figure("Heat conduction: density", "x", "n", series=(curve(label, middle, density),)),
+        Figure("Heat conduction: heat flux", "x", "q", series=(curve(label, places, fluxes),)),
+    ]
+
+
+CHECKS = (
+    Check(
+        name="events/heat-conduction",
+        title="Elastic disks and spheres between two thermal walls: flux, pressure, temperature, conductivity",
+        equation="q = -kappa dT/dx, uniform; kappa of Enskog: lambda_0 b n (1/y + 3/2 + 0.8718 y) for disks",
+        criterion="standard error of stretches; the conductivity to 3 % (2D), 2 % (3D), the doubt in Enskog's theory",
+        citation="D. M. Gass, J. Chem. Phys. 54, 1898 (1971); B. J. Alder, D. M. Gass and T. E. Wainwright, J. Chem. "
+        "Phys. 53, 3813 (1970); D. Risso and P. Cordero, J. Stat. Phys. 82, 1453 (1996)",
+        judge=_judge_heat,
+        faults=(
+            (
+                "2d",
+                Fault(
+                    "slow-carriers",
+                    "events/kernels/measure.py",
+                    "energy += 0.5 * mass * v * v",
+                    "energy += 0.4 * mass * v * v",
+                    "particles carry too little of their kinetic energy through the faces of cells",
+                ),
+            ),
+        ),
+        variants=full(**{"2d": 2, "3d": 3}),
+        needs=Needs(
+            "hard_spheres",
+            (EVENT_DRIVEN,),
+            words=frozenset(
+                {
+                    "box.boundaries=hard",
+                    "box.boundaries=periodic",
+                    "box.faces",
+                    "box.faces.temperature",
+                    "output.fields",
+                }
+            ),
+            observables=frozenset(OBSERVABLES),
+        ),
+    ),
+)

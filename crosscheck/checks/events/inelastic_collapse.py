@@ -1,0 +1,59 @@
+"""Inelastic collapse on a line: found below the limit, and not above."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, variants_of
+from crosscheck.checks.events.cooling import RESTITUTION_SQUARED
+from crosscheck.checks.events.rows import ROWS, Row, reported_time, row_scene
+from crosscheck.engines.capabilities import Needs
+from crosscheck.references import EPSILON
+from crosscheck.references.collapse import line_collisions
+from crosscheck.verdict import Judged, within, worst
+
+
+def _judge_collapse(laboratory: Laboratory, row: Row) -> Judged:
+    """The exact time of the collapse just below the limit, the exact number of collisions just above it."""
+    gaps, velocities, wall, limit, below, above = row
+    exact = line_collisions(gaps, velocities, below, wall)
+    run = laboratory.run(row_scene(row, below, 2 * float(exact.times[-1])), EVENT_DRIVEN)
+    time, stopped = reported_time(run), run.stopped
+    rounding = 4 * EPSILON * float(np.sum(gaps) + velocities.size)
+    left = exact.times[-1] - exact.times
+    tolerance = float(np.sum(left * np.minimum(1.0, rounding / np.maximum(exact.gaps, 1e-300))))
+    found = within(
+        "round_off", f"time of the collapse at alpha = {below:.4g}", time, float(exact.times[-1]),
+        tolerance,
+        "four roundings of the coordinates change each gap, and the time left from there, in proportion",
+    )  # fmt: skip
+    sound = line_collisions(gaps, velocities, above, wall)
+    run = laboratory.run(row_scene(row, above, 2 * float(sound.times[-1])), EVENT_DRIVEN)
+    hits = run["collisions"][-1] + run["wall_collisions"][-1].sum()
+    none = within(
+        "round_off", f"collisions until all part at alpha = {above:.4g}", float(hits), sound.pairs + sound.wall, 0.5,
+        "a count: exact",
+    )  # fmt: skip
+    return worst([found, none], f"limit {limit:.5f}; below it '{stopped}', above it '{run.stopped}'")
+
+
+CHECKS = (
+    Check(
+        name="events/inelastic-collapse",
+        title="Inelastic collapse on a line: three particles, and N thrown at a wall",
+        equation="alpha < 7 - 4 sqrt 3; alpha < tan^2(pi/4 (1 - 1/N))",
+        criterion="found below the limit, with its time and particles; none above, and the exact number of collisions",
+        citation="McNamara & Young, Phys. Fluids A 4, 496 (1992); Bernu & Mazighi, J. Phys. A 23, 5745 (1990)",
+        judge=_judge_collapse,
+        variants=variants_of(ROWS, "full"),
+        needs=Needs(
+            "hard_spheres",
+            (EVENT_DRIVEN,),
+            words=frozenset(
+                {"box.boundaries=hard", "box.faces", "box.faces.open", "dimension=2", "hard_spheres.restitution"}
+            ),
+            observables=frozenset({"collisions", "wall_collisions", "kinetic_energy"}),
+        ),
+        faults=(("wall-5", RESTITUTION_SQUARED),),
+    ),
+)

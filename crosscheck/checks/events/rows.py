@@ -1,0 +1,72 @@
+"""Rows of particles that collapse: three that approach each other, and N thrown at a wall."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.engines.protocol import Run
+from crosscheck.references.collapse import THREE_PARTICLE_COLLAPSE, wall_collapse
+from crosscheck.scene import Box, Face, Floats, HardSpheres, Output, Scene, explicit
+
+
+def reported_time(run: Run) -> float:
+    """Time of the inelastic collapse that ended the run; not a number if none is reported, or without a particle."""
+    found = re.search(r"particles? \d+.*t = ([-+.\de]+)", run.stopped)
+    return float(found[1]) if found else np.nan
+
+
+class Row(NamedTuple):
+    """Particles in a row, whether there is a wall before the first, and the restitution below which they collapse.
+
+    gaps: between surfaces, (N - 1,), with a wall (N,). velocities: (N,). below, above: restitutions next to the limit.
+    """
+
+    gaps: Floats
+    velocities: Floats
+    wall: bool
+    limit: float
+    below: float
+    above: float
+
+
+def _thrown(number: int) -> Row:
+    """`number` particles with equal velocities towards a wall."""
+    limit = wall_collapse(number)
+    gaps = np.linspace(1.0, 0.9 + 0.1 * number, number)
+    return Row(gaps, np.full(number, -1.0), True, limit, 0.97 * limit, 1.03 * limit)
+
+
+#: The velocities of the three are those in the frame of their centre of mass, so that they may shrink without rounding.
+ROWS = {
+    "three": Row(np.array([1.0, 1.3]), np.array([14.0, -1.0, -13.0]) / 15, False, THREE_PARTICLE_COLLAPSE, 0.07, 0.073),
+    **{f"wall-{number}": _thrown(number) for number in (2, 3, 5)},
+}
+
+
+def row_scene(row: Row, alpha: float, duration: float, contact_duration: float | None = None) -> Scene:
+    """Disks of diameter 1 in a row along x; x = 0 is a wall, or there is none; walls far above and below.
+
+    alpha: restitution of all impacts. contact_duration: t_c of the TC model.
+    """
+    number = row.velocities.size
+    start = 0.5 + row.gaps[0] if row.wall else 4.0
+    x = start + np.concatenate([[0.0], np.cumsum(1 + row.gaps[row.wall :])])
+    length = float(x[-1] + 4.0)
+    return Scene(
+        name="row",
+        dimension=2,
+        duration=duration,
+        hard_spheres=HardSpheres(restitution=alpha, contact_duration=contact_duration),
+        box=Box(
+            lengths=(length, 4.0),
+            boundaries=("hard", "hard"),
+            faces={"x-": Face(restitution=alpha) if row.wall else Face(open=True), "x+": Face(open=True)},
+        ),
+        initial=explicit(
+            np.stack([x, np.full(number, 2.0)], axis=1), np.stack([row.velocities, np.zeros(number)], axis=1)
+        ),
+        output=Output(interval=duration, observables=("collisions", "wall_collisions", "kinetic_energy")),
+    )

@@ -1,0 +1,26 @@
+"""The angle of the surface of heaps that are drawn at random."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from crosscheck.checks.events.drum import surface_angle
+
+
+@given(angle=st.floats(-60, 60), seed=st.integers(0, 1000))
+def test_surface_angle_of_a_half_full_drum(angle: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x = rng.uniform(-10, 10, size=(20_000, 2))
+    x = x[(np.hypot(*x.T) < 10) & (x[:, 1] < 0)]
+    turn = np.radians(angle)
+    turned = x @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    assert surface_angle(turned + 10, np.full(2, 10.0), 10.0) == pytest.approx(angle, abs=1.5)
+
+
+def test_surface_angle_needs_four_strips() -> None:
+    assert math.isnan(surface_angle(np.array([[10.0, 5.0], [11.0, 5.0]]), np.full(2, 10.0), 10.0))
