@@ -40,7 +40,10 @@ class Mixture(NamedTuple):
 
 
 def mixture(densities: ArrayLike, diameters: ArrayLike, masses: ArrayLike = 1.0) -> Mixture:
-    """ValueError unless densities and diameters have one shape (k,)."""
+    """A mixture of k species: number densities and diameters (k,), masses (k,) or one of all.
+
+    ValueError unless densities and diameters have one shape (k,).
+    """
     n, s = np.asarray(densities, dtype=np.float64), np.asarray(diameters, dtype=np.float64)
     if n.ndim != 1 or n.shape != s.shape:
         raise ValueError(f"one density and one diameter per species, got shapes {n.shape} and {s.shape}")

@@ -85,8 +85,7 @@ def impulse_of_a_hit(temperature: float, freedoms: int, mass: float = 1.0) -> fl
     """Mean momentum that a hit gives to a wall, 2 m <v_x^2>/<|v_x|> = sqrt(2 pi m T), at constant energy.
 
     freedoms: velocity components of the system, f, with T = 2K/f. The velocities are uniform on a sphere in f
-    dimensions: <v_x^2> = T/m, and <|v_x|> is that of Maxwell times `finite_speed_factor`, whose f components are the
-    same.
+    dimensions: <v_x^2> = T/m, and <|v_x|> is that of Maxwell times `finite_speed_factor` of f.
     """
     return float((2 * np.pi * mass * temperature) ** 0.5 / finite_speed_factor(freedoms))
 

@@ -21,6 +21,7 @@ from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Judged, Judgement, statistical, worst
 
+#: Of the tracers.
 MASS, SIZE = 50.0, 3.0
 
 
@@ -40,7 +41,7 @@ class Bath(NamedTuple):
 
 
 BATHS = {"2d": Bath(2, 900, 6, 0.05, 1000.0, 1.0), "3d": Bath(3, 1331, 8, 0.02, 600.0, 1.0)}
-#: Of a bath; they are the independent samples.
+#: Runs of a bath: the independent samples.
 RUNS = 16
 
 
@@ -148,7 +149,7 @@ def _decay_in_space(decay: _Decay, known: Tracers, bath: Bath, why: str) -> Judg
     measured, error = independent_mean(decay.loss[:, place] / known.variance)
     ends = [float(1 - one.autocorrelation(decay.time[place]) / one.variance) for one in (known, slower)]
     return statistical(
-        f"1 - C/C(0) after 1/gamma = {decay.time[place]:g}",
+        "1 - C/C(0) after 1/gamma",
         measured,
         error,
         sum(ends) / 2,
@@ -156,6 +157,7 @@ def _decay_in_space(decay: _Decay, known: Tracers, bath: Bath, why: str) -> Judg
         f"{why}; between Enskog's friction and that in series with slip",
         samples=RUNS,
         needed=0.3,
+        note=f"t = {decay.time[place]:g}",
     )
 
 
@@ -231,7 +233,7 @@ CHECKS = (
         name="events/brownian",
         title="Brownian motion: friction, velocity autocorrelation and speeds of a heavy particle in a bath",
         equation="C(t) = <v_x(0) v_x(t)> ~ (T/M) exp(-gamma t), Enskog's gamma; <v^2> = d T/M (1 - M/M_total)",
-        criterion="within the standard error over the runs, of g at contact, and of the bath that flows back",
+        criterion="within the standard error over the runs, of g at contact, and of particles that come back",
         citation="Hansen & McDonald, Theory of Simple Liquids; Chapman & Cowling (1970); Uhlenbeck & Ornstein, Phys. "
         "Rev. 36, 823 (1930)",
         judge=_judge,

@@ -19,7 +19,8 @@ from crosscheck.scene import Floats, Output, Scene, explicit
 from crosscheck.statistics import Mean, correlated_mean
 from crosscheck.verdict import Judged, Judgement, bounded, round_off, statistical, worst
 
-#: Disks between hard walls. Beyond n = 0.127 (eta = 0.1) the reference's uncertainty, which grows as eta^2, covers it.
+#: Number of disks between hard walls. The reference holds to n = 0.127 (eta = 0.1); at n = 0.2 its uncertainty, which
+#: grows as eta^2, is meant to cover its error.
 WALLED = 400
 #: Of the positions of a twin, relative to the box: some 450 roundings of a coordinate.
 DISTURBANCE = 1e-13

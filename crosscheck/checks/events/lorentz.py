@@ -91,6 +91,7 @@ def lorentz_gas(gas: Arrangement, dimension: int, duration: float, interval: flo
 
 # -- gas of points -----------------------------------------------------------------------------------------------------
 
+#: Numbers of scatterers and of points, by dimension, and of arrangements.
 SCATTERERS, POINTS, ARRANGEMENTS = {2: 1000, 3: 2000}, {2: 1000, 3: 1000}, 20
 #: In mean free paths: duration, samples, and the two times between which the mean-square displacement is straight.
 PATHS, EVERY, EARLY, LATE = 240, 10, 20, 40
@@ -122,7 +123,7 @@ def _measure(gas: Arrangement, scene: Scene, run: Run, interval: float) -> _Meas
     return _Measured(len(gas.places) * scene.duration / collisions, diffusion, speed_error, depth, collisions)
 
 
-class Points(NamedTuple):
+class PointGas(NamedTuple):
     """x: density of the scatterers, which may overlap or not."""
 
     dimension: int
@@ -130,9 +131,9 @@ class Points(NamedTuple):
     x: float
 
 
-def _judge_points(laboratory: Laboratory, points: Points) -> Judged:
+def _judge_points(laboratory: Laboratory, gas_of_points: PointGas) -> Judged:
     """Many points in each of several arrangements: the arrangements are the independent samples."""
-    dimension, overlapping, x = points
+    dimension, overlapping, x = gas_of_points
     path = reference.free_path(x, 1.0, dimension, overlapping)
     interval = EVERY * path
     found = []
@@ -143,7 +144,7 @@ def _judge_points(laboratory: Laboratory, points: Points) -> Judged:
         found.append(_measure(gas, scene, laboratory.run(scene, EVENT_DRIVEN), interval))
     each = np.array(found)
     mean, error = each.mean(axis=0), standard_error(each)
-    # reflections of one point: those of all, and a wide margin for the luckiest
+    # reflections of one point: four times the mean over all
     most = 4 * float(each[:, 4].max()) / POINTS[dimension]
     speed = round_off(
         "largest change of a point's speed",
@@ -208,6 +209,7 @@ def _diffusion_figure(dimension: int, x: float, ratio: float, error: float) -> F
 
 # -- a finite particle -------------------------------------------------------------------------------------------------
 
+#: Number of starts, duration in mean free paths, diameter of the particle.
 STARTS, STRIDES, SIZE = 20, 5.0, 0.8
 #: Dense, and below the density where no further sphere finds a place at random.
 FINITE = {2: 0.1, 3: 0.06}
@@ -242,6 +244,7 @@ def _judge_finite(laboratory: Laboratory, dimension: int) -> Judged:
 
 # -- points among themselves -------------------------------------------------------------------------------------------
 
+#: Number of pairs, half the distance of two points at the start, spacing of the pairs.
 HEAD_ON, APART, BESIDE = 64, 3.4, 10.0
 
 
@@ -266,9 +269,9 @@ def _judge_head_on(laboratory: Laboratory, dimension: int) -> Judged:
     )
 
 
-_POINTS = {f"{d}d-overlapping-x{x:g}": Points(d, True, x) for d in (2, 3) for x in reference.DIFFUSION[d]} | {
-    "2d-separate-x0.1": Points(2, False, 0.1),
-    "3d-separate-x0.05": Points(3, False, 0.05),
+_POINT_GASES = {f"{d}d-overlapping-x{x:g}": PointGas(d, True, x) for d in (2, 3) for x in reference.DIFFUSION[d]} | {
+    "2d-separate-x0.1": PointGas(2, False, 0.1),
+    "3d-separate-x0.05": PointGas(3, False, 0.05),
 }
 _NEEDS = event_driven(
     "hard_spheres.fixed hard_spheres.diameter[] box.boundaries=periodic", "positions velocities collisions"
@@ -282,7 +285,7 @@ CHECKS = (
         criterion="speed to 8 roundings a reflection; l and D within the standard error over the arrangements",
         citation="Bruin, Phys. Rev. Lett. 29, 1670 (1972); Machta & Zwanzig, Phys. Rev. Lett. 50, 1959 (1983)",
         judge=_judge_points,
-        variants=variants_of(_POINTS, "full"),
+        variants=variants_of(_POINT_GASES, "full"),
         needs=_NEEDS,
         faults=(
             (

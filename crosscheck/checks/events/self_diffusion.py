@@ -13,7 +13,7 @@ from crosscheck.scene import Floats, Output
 from crosscheck.statistics import correlated_mean
 from crosscheck.verdict import Judged, statistical
 
-#: Spheres; samples to the start of the window, which ends at twice that time; the longest time shown; origins.
+#: Number of spheres; samples to the start of the window, which ends at twice that time; the longest lag shown; origins.
 DIFFUSING, WINDOW, SHOWN, ORIGINS = 1728, 10, 40, 360
 
 
