@@ -58,6 +58,67 @@ def escaping_fraction(temperature: float) -> float:
     return float(np.exp(-1 / temperature))
 
 
+# -- one pair ----------------------------------------------------------------------------------------------------------
+
+
+class Pair(NamedTuple):
+    """Relative position and velocity of two particles of mass 1, and the events that they went through."""
+
+    position: Floats
+    velocity: Floats
+    entered: int = 0
+    left: int = 0
+    reflected: int = 0
+    hits: int = 0
+
+
+def pair_path(position: Floats, velocity: Floats, duration: float, width: float, depth: float = 1.0) -> Pair:
+    """Relative motion of one pair for a time `duration`: free flight, elastic core at 1, edge at `width`.
+
+    position, velocity: (d,), of one particle relative to the other. At the edge: `entering` and `leaving`.
+    """
+    r, v, left_over = np.array(position, dtype=np.float64), np.array(velocity, dtype=np.float64), duration
+    inside = bool(r @ r < width**2)
+    counts = {"entered": 0, "left": 0, "reflected": 0, "hits": 0}
+    while True:
+        b, w = float(r @ v), float(v @ v)
+        to_core = _first_contact(b, w, float(r @ r) - 1.0)
+        to_edge = (
+            _last_contact(b, w, float(r @ r) - width**2) if inside else _first_contact(b, w, float(r @ r) - width**2)
+        )
+        span = min(to_core, to_edge) if inside else to_edge
+        if span > left_over:
+            return Pair(r + v * left_over, v, **counts)
+        r, left_over = r + v * span, left_over - span
+        n = r / np.sqrt(r @ r)
+        u = float(v @ n)
+        if inside and to_core < to_edge:
+            after = -u
+            counts["hits"] += 1
+        elif inside:
+            crossing = leaving(u, depth)
+            after, inside = crossing
+            counts["reflected" if inside else "left"] += 1
+        else:
+            after, inside = entering(u, depth)
+            counts["entered"] += 1
+        v = v + (after - u) * n
+
+
+def _first_contact(b: float, w: float, c: float) -> float:
+    """Smaller root of w t^2 + 2 b t + c = 0 for an approach from outside."""
+    square = b * b - w * c
+    return max(c / (np.sqrt(square) - b), 0.0) if b < 0 and square > 0 else np.inf
+
+
+def _last_contact(b: float, w: float, c: float) -> float:
+    """The positive root from inside, c <= 0."""
+    root = np.sqrt(b * b - w * min(c, 0.0))
+    if b > 0:
+        return max(-min(c, 0.0) / (b + root), 0.0)
+    return float((root - b) / w) if w > 0 else np.inf
+
+
 # -- dilute gas --------------------------------------------------------------------------------------------------------
 
 
@@ -72,6 +133,47 @@ def second_virial(temperature: ArrayLike, width: float, dimension: int) -> Float
     return np.asarray(_sphere(dimension) * (1 - (width**dimension - 1) * boltzmann))
 
 
+def absolute_virial(temperature: float, width: float, dimension: int) -> float:
+    """The integral of |f|/2, f of Mayer: B_2 as if core and well had one sign; the size of what each contributes."""
+    return _sphere(dimension) * (1 + (width**dimension - 1) * float(np.expm1(1 / temperature)))
+
+
+def third_virial(temperature: float, width: float, dimension: int) -> float:
+    """B_3 = -(1/3) integral of f(r_12) f(r_13) f(r_23), f = exp(1/T) - 1 in the well and -1 in the core.
+
+    f = g Theta(lambda) - (1 + g) Theta(1) is a sum of balls, whose convolutions are overlaps of two balls: one integral
+    over r_12 remains. Barker and Henderson, Rev. Mod. Phys. 48, 587 (1976).
+    """
+    from scipy.integrate import quad
+
+    g = float(np.expm1(1 / temperature))
+    balls = ((g, width), (-(1 + g), 1.0))
+    surface = 2 * np.pi if dimension == 2 else 4 * np.pi
+
+    def integrand(r: float) -> float:
+        mayer = -1.0 if r < 1 else g
+        chain = sum(a * b * common_volume(r, p, q, dimension) for a, p in balls for b, q in balls)
+        return surface * r ** (dimension - 1) * mayer * chain
+
+    inner, _ = quad(integrand, 0, 1, epsabs=1e-11, epsrel=1e-10, points=[width - 1])
+    outer, _ = quad(integrand, 1, width, epsabs=1e-11, epsrel=1e-10)
+    return float(-(inner + outer) / 3)
+
+
+def common_volume(r: float, p: float, q: float, dimension: int) -> float:
+    """Volume (area) common to two balls (disks) of radii p and q whose centres are r apart."""
+    if r >= p + q:
+        return 0.0
+    if r <= abs(p - q):
+        least = min(p, q)
+        return np.pi * least**2 if dimension == 2 else 4 / 3 * np.pi * least**3
+    if dimension == 3:
+        return float(np.pi * (p + q - r) ** 2 * (r * r + 2 * r * (p + q) - 3 * (p - q) ** 2) / (12 * r))
+    one = np.arccos((r * r + p * p - q * q) / (2 * r * p))
+    two = np.arccos((r * r + q * q - p * p) / (2 * r * q))
+    return float(p * p * (one - np.sin(2 * one) / 2) + q * q * (two - np.sin(2 * two) / 2))
+
+
 def boyle_temperature(width: float, dimension: int) -> float:
     """T at which B_2 = 0: 1/ln(lambda^d/(lambda^d - 1)); 2.84578 for lambda = 1.5 in three dimensions."""
     power = width**dimension
@@ -84,7 +186,7 @@ def dilute_compressibility(density: float, temperature: float, width: float, dim
     The size of the next term is B_3 n^2, and |B_3| may exceed B_2^2: for n |B| << 1 only.
     """
     b2 = float(second_virial(temperature, width, dimension))
-    size = _sphere(dimension) * (1 + (width**dimension - 1) * float(np.expm1(1 / temperature)))
+    size = absolute_virial(temperature, width, dimension)
     return Estimate(1 + b2 * density, (size * density) ** 2)
 
 
@@ -94,7 +196,7 @@ def dilute_energy(density: float, temperature: float, width: float, dimension: i
     g = exp(1/T) in the well. The next order is relatively of the size of n B, as in `dilute_compressibility`.
     """
     shell = _sphere(dimension) * (width**dimension - 1)
-    size = _sphere(dimension) * (1 + (width**dimension - 1) * float(np.expm1(1 / temperature)))
+    size = absolute_virial(temperature, width, dimension)
     value = float(-shell * density * np.exp(1 / temperature))
     return Estimate(value, abs(value) * 2 * size * density)
 

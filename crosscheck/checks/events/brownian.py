@@ -9,15 +9,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, variants_of
+from crosscheck.checks.events.gases import event_driven
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Histogram, Series
-from crosscheck.references import hard_spheres as reference
+from crosscheck.references import speeds, transport
+from crosscheck.references.brownian import Tracers, returned_share, tracers_in_bath
+from crosscheck.references.hard_spheres import collision_rate, degrees_of_freedom, packing_fraction
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Judged, Judgement, statistical, worst
 
+#: Of the tracers.
 MASS, SIZE = 50.0, 3.0
 
 
@@ -28,6 +32,7 @@ class Bath(NamedTuple):
     back to it.
     """
 
+    dimension: int
     sites: int
     tracers: int
     density: float
@@ -35,12 +40,14 @@ class Bath(NamedTuple):
     early: float
 
 
-BATHS = {"2d": Bath(900, 6, 0.05, 1000.0, 1.0), "3d": Bath(1331, 8, 0.02, 600.0, 1.0)}
+BATHS = {"2d": Bath(2, 900, 6, 0.05, 1000.0, 1.0), "3d": Bath(3, 1331, 8, 0.02, 600.0, 1.0)}
+#: Runs of a bath: the independent samples.
 RUNS = 16
 
 
-def brownian(dimension: int, bath: Bath, seed: int, interval: float) -> Scene:
+def brownian(bath: Bath, seed: int, interval: float) -> Scene:
     """A lattice wide enough for the large particles, which are spread evenly over its sites."""
+    dimension = bath.dimension
     species = np.zeros(bath.sites, dtype=int)
     species[(np.arange(bath.tracers) * bath.sites) // bath.tracers + bath.sites // (2 * bath.tracers)] = 1
     return Scene(
@@ -62,47 +69,6 @@ def brownian(dimension: int, bath: Bath, seed: int, interval: float) -> Scene:
     )
 
 
-class Theory(NamedTuple):
-    """Enskog's theory of several tracers in a finite bath at rest on the whole.
-
-    gamma: with the bath; between: with the other tracers. share: of the tracers in the total mass. doubt: relative, of
-    the initial decay, from g at contact: 1 % of g - 1 with the bath, and 5 % of g among tracers.
-    """
-
-    gamma: float
-    between: float
-    share: float
-    number: int
-    doubt: float
-
-    @property
-    def variance(self) -> float:
-        """C(0) = (T/M)(1 - M/M_total): the total momentum is zero."""
-        return (1 - self.share / self.number) / MASS
-
-    def autocorrelation(self, time: Floats) -> Floats:
-        """C(t) by modes: the tracers' common velocity drags the bath along, differences do not.
-
-        Momentum spreads over the box at once; the common mode decays with gamma M_total/(bath's mass).
-        """
-        bath = 1 - self.share
-        apart = (self.number - 1) / self.number * np.exp(-(self.gamma + self.between) * time)
-        return np.asarray((apart + bath / self.number * np.exp(-self.gamma * time / bath)) / MASS)
-
-
-def theory(dimension: int, bath: Bath) -> Theory:
-    """gamma of `friction` with g of the mixture at contact, and the tracers' collisions with each other."""
-    small = bath.sites - bath.tracers
-    tracer_density = bath.density * bath.tracers / small
-    mixture = reference.mixture([bath.density, tracer_density], [1.0, SIZE], [1.0, MASS])
-    g = reference.mixture_contact_values(mixture, dimension)
-    gamma = reference.friction(bath.density, (1 + SIZE) / 2, 1.0, MASS, dimension, contact=float(g[0, 1]))
-    # every tracer relaxes to the mean velocity of all of them, itself included: the density is that of all
-    between = reference.friction(tracer_density, SIZE, MASS, MASS, dimension, contact=float(g[1, 1]))
-    share = bath.tracers * MASS / (bath.tracers * MASS + small)
-    return Theory(gamma, between, share, bath.tracers, 0.01 * (float(g[0, 1]) - 1) + 0.05 * between / gamma)
-
-
 class _Decay(NamedTuple):
     """Lags; (runs, lags): C, and half the mean square of v_x(t) - v_x(0), that is C(0) - C(t) with less noise.
 
@@ -116,12 +82,17 @@ class _Decay(NamedTuple):
     speeds: Floats
 
 
-def _decays(laboratory: Laboratory, dimension: int, bath: Bath, longest: float) -> _Decay:
+def theory(bath: Bath) -> Tracers:
+    """Enskog's theory of the tracers in this bath."""
+    return tracers_in_bath(bath.density, bath.sites - bath.tracers, bath.tracers, SIZE, MASS, bath.dimension)
+
+
+def _decays(laboratory: Laboratory, bath: Bath, longest: float) -> _Decay:
     lags = np.arange(round(longest / bath.early) + 1)
     correlation, loss = np.empty((2, RUNS, lags.size))
-    squares, speeds = np.empty((RUNS, 2)), []
+    squares, lengths = np.empty((RUNS, 2)), []
     for number in range(RUNS):
-        scene = brownian(dimension, bath, laboratory.seed(str(number)), bath.early)
+        scene = brownian(bath, laboratory.seed(str(number)), bath.early)
         v = _tracers(scene, laboratory.run(scene, EVENT_DRIVEN))
         for lag in lags:
             start, end = v[: len(v) - lag], v[lag:]
@@ -129,8 +100,8 @@ def _decays(laboratory: Laboratory, dimension: int, bath: Bath, longest: float) 
             loss[number, lag] = 0.5 * ((end - start) ** 2).mean()
         square = (v**2).sum(axis=-1)
         squares[number] = square.mean(), (square**2).mean()
-        speeds.append(np.sqrt(square).ravel())
-    return _Decay(lags * bath.early, correlation, loss, squares, np.concatenate(speeds))
+        lengths.append(np.sqrt(square).ravel())
+    return _Decay(lags * bath.early, correlation, loss, squares, np.concatenate(lengths))
 
 
 def _tracers(scene: Scene, run: Run) -> Floats:
@@ -139,19 +110,17 @@ def _tracers(scene: Scene, run: Run) -> Floats:
     return np.asarray(run["velocities"][len(run["time"]) // 10 :, large])
 
 
-def _judge(laboratory: Laboratory, variant: str) -> Judged:
+def _judge(laboratory: Laboratory, bath: Bath) -> Judged:
     """Initial decay and equipartition, in space also the decay after 1/gamma; the runs are the independent samples."""
-    dimension, bath = int(variant[0]), BATHS[variant]
-    known = theory(dimension, bath)
-    decay = _decays(laboratory, dimension, bath, 2 / known.gamma)
+    known = theory(bath)
+    decay = _decays(laboratory, bath, 2 / known.gamma)
     model = known.autocorrelation(decay.time)
     why = f"standard error over {RUNS} runs"
 
     first = np.flatnonzero(decay.time >= bath.early)[0]
     initial, error = independent_mean(decay.loss[:, first] / (known.variance - model[first]))
-    # of the bath's particles that have met the tracer, omega t/2 have met another since, on average; about a third of
-    # those come back to it, with half the momentum
-    back = _bath_rate(dimension, bath) * bath.early / 12
+    among = collision_rate(packing_fraction(bath.density, bath.dimension), bath.dimension).value
+    back = returned_share(among, bath.early)
     judgements = [
         statistical(
             "friction from the initial decay, times M",
@@ -162,33 +131,25 @@ def _judge(laboratory: Laboratory, variant: str) -> Judged:
             f"{why}, g at contact, and particles that come back",
             samples=RUNS,
             needed=0.2,
-            figures=(_decay_figure(dimension, decay, known),),
+            figures=(_decay_figure(bath.dimension, decay, known),),
         )
     ]
-    if dimension == 3:
+    if bath.dimension == 3:
         judgements.append(_decay_in_space(decay, known, bath, why))
-    judgements += _equipartition(dimension, bath, decay, known, why)
+    judgements += _equipartition(bath, decay, known, why)
     return worst(judgements, f"{RUNS} runs of {bath.tracers} tracers, {bath.duration * known.gamma:.1f}/gamma each")
 
 
-def _bath_rate(dimension: int, bath: Bath) -> float:
-    """Collisions of one particle of the bath with others of it."""
-    return reference.collision_rate(reference.packing_fraction(bath.density, dimension), dimension).value
-
-
-def _decay_in_space(decay: _Decay, known: Theory, bath: Bath, why: str) -> Judgement:
-    """1 - C/C(0) after 1/gamma: between Enskog's friction, and that in series with slip on a sphere of that radius.
-
-    1/zeta = 1/zeta_Enskog + 1/(4 pi viscosity s): what a bath that flows along leaves of the friction.
-    """
-    viscosity = reference.enskog_viscosity(reference.packing_fraction(bath.density, 3))
-    slip = 4 * np.pi * viscosity * (1 + SIZE) / 2
-    slower = known._replace(gamma=known.gamma / (1 + known.gamma * MASS / slip))
+def _decay_in_space(decay: _Decay, known: Tracers, bath: Bath, why: str) -> Judgement:
+    """1 - C/C(0) after 1/gamma: between Enskog's friction, and that of a bath which flows along."""
+    viscosity = transport.enskog_viscosity(packing_fraction(bath.density, 3))
+    slip = transport.slip_friction(viscosity, (1 + SIZE) / 2)
+    slower = known._replace(gamma=transport.friction_in_series(known.gamma, MASS, slip))
     place = int(np.searchsorted(decay.time, 1 / known.gamma))
     measured, error = independent_mean(decay.loss[:, place] / known.variance)
     ends = [float(1 - one.autocorrelation(decay.time[place]) / one.variance) for one in (known, slower)]
     return statistical(
-        f"1 - C/C(0) after {decay.time[place]:g} = 1/gamma",
+        "1 - C/C(0) after 1/gamma",
         measured,
         error,
         sum(ends) / 2,
@@ -196,10 +157,12 @@ def _decay_in_space(decay: _Decay, known: Theory, bath: Bath, why: str) -> Judge
         f"{why}; between Enskog's friction and that in series with slip",
         samples=RUNS,
         needed=0.3,
+        note=f"t = {decay.time[place]:g}",
     )
 
 
-def _equipartition(dimension: int, bath: Bath, decay: _Decay, known: Theory, why: str) -> list[Judgement]:
+def _equipartition(bath: Bath, decay: _Decay, known: Tracers, why: str) -> list[Judgement]:
+    dimension = bath.dimension
     square, square_error = independent_mean(decay.squares[:, 0])
     # <v^4>/<v^2>^2 of all runs together; its error by leaving out one run at a time
     total = decay.squares.sum(axis=0)
@@ -207,7 +170,7 @@ def _equipartition(dimension: int, bath: Bath, decay: _Decay, known: Theory, why
     left = total - decay.squares
     without = (RUNS - 1) * left[:, 1] / left[:, 0] ** 2
     ratio_error = float(np.sqrt((RUNS - 1) / RUNS * ((without - without.mean()) ** 2).sum()))
-    freedoms = reference.degrees_of_freedom(bath.sites, dimension, True)
+    freedoms = degrees_of_freedom(bath.sites, dimension, True)
     return [
         statistical(
             "mean square speed of the tracers, times M/d",
@@ -224,7 +187,7 @@ def _equipartition(dimension: int, bath: Bath, decay: _Decay, known: Theory, why
             "<v^4>/<v^2>^2 of the tracers",
             ratio,
             ratio_error,
-            reference.moment_ratio(dimension, freedoms),
+            speeds.moment_ratio(dimension, freedoms),
             0.0,
             f"standard error by leaving out one of {RUNS} runs at a time",
             samples=RUNS,
@@ -233,7 +196,7 @@ def _equipartition(dimension: int, bath: Bath, decay: _Decay, known: Theory, why
     ]
 
 
-def _decay_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
+def _decay_figure(dimension: int, decay: _Decay, known: Tracers) -> Figure:
     shown = slice(None, None, max(1, decay.time.size // 40))
     time = decay.time[shown]
     # C(0) is known: the measured loss has less noise than C
@@ -250,12 +213,12 @@ def _decay_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
     )  # fmt: skip
 
 
-def _speed_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
+def _speed_figure(dimension: int, decay: _Decay, known: Tracers) -> Figure:
     temperature = known.variance * MASS
     edges = np.linspace(0, 4 * np.sqrt(known.variance), 33)
     heights, _ = np.histogram(decay.speeds, edges, density=True)
     fine = np.linspace(0, edges[-1], 100)
-    theory_curve = reference.maxwell_density(fine, dimension, temperature, MASS)
+    theory_curve = speeds.maxwell_density(fine, dimension, temperature, MASS)
     return Figure(
         f"speeds of the heavy particle, {dimension} dimensions", "v", "probability density",
         series=(
@@ -266,15 +229,18 @@ def _speed_figure(dimension: int, decay: _Decay, known: Theory) -> Figure:
 
 
 CHECKS = (
-    legacy_check(
+    Check(
         name="events/brownian",
         title="Brownian motion: friction, velocity autocorrelation and speeds of a heavy particle in a bath",
         equation="C(t) = <v_x(0) v_x(t)> ~ (T/M) exp(-gamma t), Enskog's gamma; <v^2> = d T/M (1 - M/M_total)",
-        criterion="within the standard error over the runs, of g at contact, and of the bath's backflow",
+        criterion="within the standard error over the runs, of g at contact, and of particles that come back",
         citation="Hansen & McDonald, Theory of Simple Liquids; Chapman & Cowling (1970); Uhlenbeck & Ornstein, Phys. "
         "Rev. 36, 823 (1930)",
         judge=_judge,
-        variants=fixed(*BATHS),
+        variants=variants_of(BATHS, "full"),
+        needs=event_driven(
+            "masses[] hard_spheres.diameter[] box.boundaries=periodic", "positions velocities collisions"
+        ),
         faults=(
             (
                 "2d",
@@ -283,10 +249,9 @@ CHECKS = (
                     "events/prediction.py",
                     "return radii[i] + radii[j]",
                     "return 0.55 * (radii[i] + radii[j]) if radii[i] != radii[j] else radii[i] + radii[j]",
-                    "bath and tracer touch at half their distance",
+                    "a particle of the bath and a tracer collide at 0.55 of their contact distance",
                 ),
             ),
         ),
-        tier="full",
     ),
 )

@@ -9,16 +9,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full, variants_of
+from crosscheck.checks.events.gases import event_driven
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
-from crosscheck.references import hard_spheres as reference
+from crosscheck.references import lorentz as reference
 from crosscheck.scene import Box, Floats, HardSpheres, Output, Scene, explicit
 from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import standard_error
-from crosscheck.verdict import Judged, bounded, round_off, statistical, worst
+from crosscheck.verdict import Judged, Judgement, bounded, round_off, statistical, worst
 
 
 class Arrangement(NamedTuple):
@@ -51,7 +52,7 @@ def arrangement(dimension: int, x: float, scatterers: int, points: int, seed: in
 
 
 def _tree(places: Floats, length: float) -> Any:
-    """Of places in the periodic box, for searches of the nearest image."""
+    """k-d tree of places in the periodic box."""
     from scipy.spatial import cKDTree
 
     return cKDTree(places, boxsize=np.full(places.shape[1], length))
@@ -90,6 +91,7 @@ def lorentz_gas(gas: Arrangement, dimension: int, duration: float, interval: flo
 
 # -- gas of points -----------------------------------------------------------------------------------------------------
 
+#: Numbers of scatterers and of points, by dimension, and of arrangements.
 SCATTERERS, POINTS, ARRANGEMENTS = {2: 1000, 3: 2000}, {2: 1000, 3: 1000}, 20
 #: In mean free paths: duration, samples, and the two times between which the mean-square displacement is straight.
 PATHS, EVERY, EARLY, LATE = 240, 10, 20, 40
@@ -121,12 +123,18 @@ def _measure(gas: Arrangement, scene: Scene, run: Run, interval: float) -> _Meas
     return _Measured(len(gas.places) * scene.duration / collisions, diffusion, speed_error, depth, collisions)
 
 
-def _judge_points(laboratory: Laboratory, variant: str) -> Judged:
+class PointGas(NamedTuple):
+    """x: density of the scatterers, which may overlap or not."""
+
+    dimension: int
+    overlapping: bool
+    x: float
+
+
+def _judge_points(laboratory: Laboratory, gas_of_points: PointGas) -> Judged:
     """Many points in each of several arrangements: the arrangements are the independent samples."""
-    dimension, kind, x = int(variant[0]), variant.split("-")[1], float(variant.split("-x")[1])
-    overlapping = kind == "overlapping"
-    path = reference.lorentz_free_path(x, 1.0, dimension, overlapping)
-    # of whole numbers of the interval, which is that of the dilute path
+    dimension, overlapping, x = gas_of_points
+    path = reference.free_path(x, 1.0, dimension, overlapping)
     interval = EVERY * path
     found = []
     for number in range(ARRANGEMENTS):
@@ -136,7 +144,7 @@ def _judge_points(laboratory: Laboratory, variant: str) -> Judged:
         found.append(_measure(gas, scene, laboratory.run(scene, EVENT_DRIVEN), interval))
     each = np.array(found)
     mean, error = each.mean(axis=0), standard_error(each)
-    # reflections of one point: those of all, and a wide margin for the luckiest
+    # reflections of one point: four times the mean over all
     most = 4 * float(each[:, 4].max()) / POINTS[dimension]
     speed = round_off(
         "largest change of a point's speed",
@@ -161,29 +169,30 @@ def _judge_points(laboratory: Laboratory, variant: str) -> Judged:
         needed=0.03,
     )
     judgements = [speed, depth, free]
-    note = f"{each[:, 4].sum():.3g} collisions"
     if overlapping:
-        dilute = reference.lorentz_boltzmann_diffusion(x, 1.0, dimension)
-        known = reference.LORENTZ_DIFFUSION[dimension][x]
-        ratio, ratio_error = float(mean[1]) / dilute, float(error[1]) / dilute
-        judgements.append(
-            statistical(
-                "D/D_Boltzmann",
-                ratio,
-                ratio_error,
-                known.value,
-                known.uncertainty,
-                f"standard error over {ARRANGEMENTS} arrangements, and of the reference",
-                samples=ARRANGEMENTS,
-                needed=0.06,
-                figures=(_diffusion_figure(dimension, x, ratio, ratio_error),),
-            )
-        )
-    return worst(judgements, note)
+        judgements.append(_diffusion(dimension, x, float(mean[1]), float(error[1])))
+    return worst(judgements, f"{each[:, 4].sum():.3g} collisions")
+
+
+def _diffusion(dimension: int, x: float, diffusion: float, error: float) -> Judgement:
+    dilute = reference.boltzmann_diffusion(x, 1.0, dimension)
+    known = reference.DIFFUSION[dimension][x]
+    ratio, ratio_error = diffusion / dilute, error / dilute
+    return statistical(
+        "D/D_Boltzmann",
+        ratio,
+        ratio_error,
+        known.value,
+        known.uncertainty,
+        f"standard error over {ARRANGEMENTS} arrangements, and of the reference",
+        samples=ARRANGEMENTS,
+        needed=0.06,
+        figures=(_diffusion_figure(dimension, x, ratio, ratio_error),),
+    )
 
 
 def _diffusion_figure(dimension: int, x: float, ratio: float, error: float) -> Figure:
-    table = reference.LORENTZ_DIFFUSION[dimension]
+    table = reference.DIFFUSION[dimension]
     curves = [
         Series(f"measured, x = {x:g}", [x], [ratio], [error]),
         Series(
@@ -192,7 +201,7 @@ def _diffusion_figure(dimension: int, x: float, ratio: float, error: float) -> F
     ]
     if dimension == 2:
         fine = np.linspace(0.001, 0.05, 50)
-        series = [reference.lorentz_series(value) for value in fine]
+        series = [reference.diffusion_series(value) for value in fine]
         curves.append(Series("series to (x ln x)^2", fine.tolist(), series, theory=True))
     return Figure(f"diffusion among overlapping scatterers, {dimension} dimensions", "x = n R^d", "D/D_Boltzmann",
                   series=tuple(curves))  # fmt: skip
@@ -200,16 +209,16 @@ def _diffusion_figure(dimension: int, x: float, ratio: float, error: float) -> F
 
 # -- a finite particle -------------------------------------------------------------------------------------------------
 
+#: Number of starts, duration in mean free paths, diameter of the particle.
 STARTS, STRIDES, SIZE = 20, 5.0, 0.8
 #: Dense, and below the density where no further sphere finds a place at random.
 FINITE = {2: 0.1, 3: 0.06}
 
 
-def _judge_finite(laboratory: Laboratory, variant: str) -> Judged:
+def _judge_finite(laboratory: Laboratory, dimension: int) -> Judged:
     """A particle of radius a among scatterers of radius 1 - a goes the way of a point among those of radius 1."""
-    dimension = int(variant[0])
     x = FINITE[dimension]
-    path = reference.lorentz_free_path(x, 1.0, dimension)
+    path = reference.free_path(x, 1.0, dimension)
     errors, tolerances, collisions = np.zeros(STARTS), np.zeros(STARTS), 0.0
     for number in range(STARTS):
         gas = arrangement(dimension, x, 100, 1, laboratory.seed(str(number)), False)
@@ -235,12 +244,12 @@ def _judge_finite(laboratory: Laboratory, variant: str) -> Judged:
 
 # -- points among themselves -------------------------------------------------------------------------------------------
 
+#: Number of pairs, half the distance of two points at the start, spacing of the pairs.
 HEAD_ON, APART, BESIDE = 64, 3.4, 10.0
 
 
-def _judge_head_on(laboratory: Laboratory, variant: str) -> Judged:
+def _judge_head_on(laboratory: Laboratory, dimension: int) -> Judged:
     """Pairs of points that fly straight at each other, in all directions: they must pass."""
-    dimension = int(variant[0])
     rng = np.random.default_rng(laboratory.seed())
     directions = rng.normal(size=(HEAD_ON, dimension))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
@@ -260,17 +269,24 @@ def _judge_head_on(laboratory: Laboratory, variant: str) -> Judged:
     )
 
 
-_DIFFUSING = tuple(f"{d}d-overlapping-x{x:g}" for d in (2, 3) for x in reference.LORENTZ_DIFFUSION[d])
+_POINT_GASES = {f"{d}d-overlapping-x{x:g}": PointGas(d, True, x) for d in (2, 3) for x in reference.DIFFUSION[d]} | {
+    "2d-separate-x0.1": PointGas(2, False, 0.1),
+    "3d-separate-x0.05": PointGas(3, False, 0.05),
+}
+_NEEDS = event_driven(
+    "hard_spheres.fixed hard_spheres.diameter[] box.boundaries=periodic", "positions velocities collisions"
+)
 
 CHECKS = (
-    legacy_check(
+    Check(
         name="events/lorentz-gas",
         title="Lorentz gas: points among fixed disks or spheres; speed, mean free path, diffusion",
         equation="l = V_free/(n sigma) (pi A/perimeter, 4 V/surface), D = d<r^2>/dt/(2 d), from 20 to 40 free paths",
         criterion="speed to 8 roundings a reflection; l and D within the standard error over the arrangements",
         citation="Bruin, Phys. Rev. Lett. 29, 1670 (1972); Machta & Zwanzig, Phys. Rev. Lett. 50, 1959 (1983)",
         judge=_judge_points,
-        variants=fixed(*_DIFFUSING, "2d-separate-x0.1", "3d-separate-x0.05"),
+        variants=variants_of(_POINT_GASES, "full"),
+        needs=_NEEDS,
         faults=(
             (
                 "2d-overlapping-x0.1",
@@ -293,16 +309,16 @@ CHECKS = (
                 ),
             ),
         ),
-        tier="full",
     ),
-    legacy_check(
+    Check(
         name="events/lorentz-finite-particle",
         title="Lorentz gas: one finite particle against a point among larger scatterers",
         equation="contact at R + a: the same path for (R, a) and (R + a, 0)",
         criterion="same place after 5 mean free paths, to rounding times the growth of a disturbance",
         citation="Machta & Zwanzig, Phys. Rev. Lett. 50, 1959 (1983)",
         judge=_judge_finite,
-        variants=fixed("2d", "3d"),
+        variants=full(**{"2d": 2, "3d": 3}),
+        needs=_NEEDS,
         faults=(
             (
                 "2d",
@@ -315,16 +331,16 @@ CHECKS = (
                 ),
             ),
         ),
-        tier="full",
     ),
-    legacy_check(
+    Check(
         name="events/lorentz-points",
         title="Lorentz gas: points that fly straight at each other pass",
         equation="contact distance 0: no collision",
         criterion="no collisions",
         citation="Machta & Zwanzig, Phys. Rev. Lett. 50, 1959 (1983)",
         judge=_judge_head_on,
-        variants=fixed("2d", "3d"),
+        variants=full(**{"2d": 2, "3d": 3}),
+        needs=_NEEDS,
         faults=(
             (
                 "2d",
@@ -337,6 +353,5 @@ CHECKS = (
                 ),
             ),
         ),
-        tier="full",
     ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.engines.protocol import Run
-from crosscheck.figure import Figure, Series
+from crosscheck.figure import Figure, Histogram, Series
 from crosscheck.references import floors
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Output, Scene, explicit
 

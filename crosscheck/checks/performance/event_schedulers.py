@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
-from crosscheck.checks.events.algorithm import LINEAR_SCAN, spheres
+from crosscheck.checks.events.cost import LINEAR_SCAN
+from crosscheck.checks.events.gases import spheres
 from crosscheck.engines.capabilities import Needs
 from crosscheck.scene import Method, Output, explicit
 from crosscheck.verdict import Judged, bounded

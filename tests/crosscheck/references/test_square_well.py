@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from crosscheck.references import hard_spheres
 from crosscheck.references import square_well as sw
 
 both = pytest.mark.parametrize("dimension", [2, 3])
@@ -117,3 +118,54 @@ def test_critical_points_agree() -> None:
             assert abs(gap) < 2 * math.hypot(one.temperature.uncertainty, two.temperature.uncertainty)
             gap = one.density.value - two.density.value
             assert abs(gap) < 2 * math.hypot(one.density.uncertainty, two.density.uncertainty)
+
+
+@both
+def test_third_virial_of_a_hot_gas_is_that_of_hard_cores(dimension: int) -> None:
+    exact = hard_spheres.virial_coefficients(dimension)[2] * hard_spheres.packing_fraction(1.0, dimension) ** 2
+    assert sw.third_virial(1e12, 1.5, dimension) == pytest.approx(exact, rel=1e-9)
+
+
+@both
+def test_third_virial_is_the_integral_over_triangles(dimension: int) -> None:
+    temperature, width, number = 2.0, 1.5, 400_000
+    rng = np.random.default_rng(1)
+    f = lambda r: np.where(r < 1, -1.0, np.where(r < width, np.expm1(1 / temperature), 0.0))  # noqa: E731
+    one, two = rng.uniform(-width, width, (2, number, dimension))
+    sides = [np.linalg.norm(r, axis=1) for r in (one, two, one - two)]
+    values = -(f(sides[0]) * f(sides[1]) * f(sides[2])) / 3 * (2 * width) ** (2 * dimension)
+    error = values.std() / number**0.5
+    assert abs(sw.third_virial(temperature, width, dimension) - values.mean()) < 4 * error
+
+
+@both
+def test_absolute_virial_by_quadrature(dimension: int) -> None:
+    temperature, width = 1.3, 1.5
+    surface = 2 * np.pi if dimension == 2 else 4 * np.pi
+    mayer = lambda r: 1.0 if r < 1 else math.expm1(1 / temperature)  # noqa: E731
+    whole, _ = quad(lambda r: surface * r ** (dimension - 1) * mayer(r), 0, width, points=[1.0])
+    assert sw.absolute_virial(temperature, width, dimension) == pytest.approx(whole / 2, rel=1e-10)
+
+
+@both
+@pytest.mark.parametrize("case", [(0.8, 1.0, 1.5), (2.2, 1.0, 1.5), (2.6, 1.0, 1.5), (0.2, 1.0, 1.5)])
+def test_common_volume_by_slices(dimension: int, case: tuple[float, float, float]) -> None:
+    """Two balls on the x axis: at each x the smaller of the two cross-sections."""
+    r, p, q = case
+
+    def section(x: float) -> float:
+        square = min(p * p - x * x, q * q - (x - r) ** 2)
+        return 0.0 if square <= 0 else 2 * square**0.5 if dimension == 2 else np.pi * square
+
+    meet = (r * r + p * p - q * q) / (2 * r)
+    expected, _ = quad(section, -p, p, points=[x for x in (meet, r - q) if -p < x < p], limit=200)
+    assert sw.common_volume(r, p, q, dimension) == pytest.approx(expected, abs=1e-7)
+
+
+def test_a_pair_that_falls_straight_into_the_core_and_out_again() -> None:
+    """By hand: 1 at speed 1 to the edge, the well at speed sqrt(5), the core, and the same way back."""
+    path = sw.pair_path(np.array([2.5, 0.0]), np.array([-1.0, 0.0]), 10.0, 1.5)
+    inside = 2 * 0.5 / 5**0.5
+    assert (path.entered, path.left, path.reflected, path.hits) == (1, 1, 0, 1)
+    assert path.velocity == pytest.approx([1.0, 0.0], abs=1e-12)
+    assert path.position == pytest.approx([1.5 + 10.0 - 1.0 - inside, 0.0])

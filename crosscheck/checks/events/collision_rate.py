@@ -1,0 +1,91 @@
+"""Collision rate of a particle among periodic disks and spheres, many and few; sigma = m = T = 1."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.events.gases import TALLIES, event_driven, rates, run_periodic
+from crosscheck.faults import Fault
+from crosscheck.figure import Figure, Series
+from crosscheck.references import hard_spheres as reference
+from crosscheck.references.speeds import maxwell_mean_speed
+from crosscheck.statistics import correlated_mean
+from crosscheck.verdict import Judged, statistical
+
+
+class Gas(NamedTuple):
+    """eta: packing fraction; number: of particles."""
+
+    dimension: int
+    eta: float
+    number: int
+
+
+#: Collisions of pairs in a run.
+COLLISIONS = 2e6
+#: Other states than those of the equation of state; the small ones test the dependence on N.
+_GASES = {
+    **{f"disks-eta{eta:g}": Gas(2, eta, 1024) for eta in (0.02, 0.15, 0.35, 0.55)},
+    "disks-eta0.3-N16": Gas(2, 0.3, 16),
+    **{f"spheres-n{n:g}": Gas(3, reference.packing_fraction(n, 3), 1000) for n in (0.2, 0.4, 0.6, 0.8)},
+    "spheres-n0.4-N64": Gas(3, reference.packing_fraction(0.4, 3), 64),
+}
+
+
+def _judge(laboratory: Laboratory, gas: Gas) -> Judged:
+    d, eta, number = gas
+    run = run_periodic(laboratory, d, eta, number, COLLISIONS)
+    rate = correlated_mean(2 * rates(run, run["collisions"]) / number)
+    known, infinite = reference.finite_collision_rate(eta, number, d), reference.collision_rate(eta, d)
+    path = maxwell_mean_speed(d) / rate.value
+    dilute = infinite.value / reference.contact_value(eta, d).value
+    x = np.linspace(0.005, 0.65 if d == 2 else reference.packing_fraction(0.9, 3), 50)
+    law = [reference.contact_value(e, d).value for e in x]
+    figure = Figure(
+        "collision rate, " + ("disks" if d == 2 else "spheres"), "eta", "rate over that of Boltzmann's gas", "linear",
+        "log", (
+            Series(f"N = {number}", [eta], [rate.value / dilute], [rate.error / dilute]),
+            Series("Enskog, g at contact", x.tolist(), law, theory=True),
+        ),
+    )  # fmt: skip
+    return statistical(
+        "collisions of a particle per time",
+        rate.value,
+        rate.error,
+        known.value,
+        known.uncertainty,
+        "standard error of correlated blocks; of the reference for this N",
+        samples=rate.independent,
+        needed=0.01 if number > 16 else 0.03,  # to order 1/N alone, which is rough for 16
+        note=f"N = {number}, mean free path {path:.4g}; infinite N: {infinite.value:.5g}",
+        figures=(figure,),
+    )
+
+
+CHECKS = (
+    Check(
+        name="events/collision-rate",
+        title="Collision rate of a particle among periodic disks and spheres against Enskog's, many and few particles",
+        equation="omega = 2 n sigma g sqrt(pi T/m) (2D), 4 n sigma^2 g sqrt(pi T/m) (3D), times the corrections for N",
+        criterion="within the errors of correlated blocks and of the reference, corrected for finite N",
+        citation="Chapman & Cowling (1970), chapter 16; Lebowitz & Percus, Phys. Rev. 122, 1675 (1961)",
+        judge=_judge,
+        variants=variants_of(_GASES, "full"),
+        needs=event_driven("box.boundaries=periodic", " ".join(TALLIES)),
+        faults=(
+            (
+                "disks-eta0.35",
+                Fault(
+                    "disks-1-percent",
+                    "events/prediction.py",
+                    "        return diameter\n    return radii[i] + radii[j]",
+                    "        return 1.01 * diameter\n    return radii[i] + radii[j]",
+                    "particles of one size collide at a distance 1 % too large",
+                ),
+            ),
+        ),
+    ),
+)

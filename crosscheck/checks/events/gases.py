@@ -1,0 +1,113 @@
+"""Scenes of elastic hard spheres that several checks share, what these need of an engine, and rates from their runs.
+
+sigma = m = 1; T = 2K/f with f = d N between hard walls, d (N - 1) in a periodic box whose total momentum is zero.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.checks.base import EVENT_DRIVEN, Laboratory
+from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.protocol import Run
+from crosscheck.references.hard_spheres import collision_rate, number_density
+from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene
+
+#: Of every `gas`: what is asked for selects the compiled loop, and one is enough.
+TALLIES: tuple[Observable, ...] = ("collisions", "collisional_virial", "wall_impulse", "wall_collisions")
+#: Intervals of a run that are left out while it settles, and those whose averages are taken.
+SETTLING, BLOCKS = 10, 50
+#: Lattices of the start: as far from the fluid as from the crystal, and soon gone.
+LATTICE = {2: "square", 3: "sc"}
+#: Numbers of particles of the periodic gases, by dimension.
+PERIODIC = {2: 1024, 3: 1000}
+
+
+def event_driven(words: str = "", observables: str = "", schemes: tuple[str, ...] = ()) -> Needs:
+    """Needs of a check of event-driven hard spheres; words and observables in one text each, apart by spaces."""
+    return Needs(
+        "hard_spheres",
+        (EVENT_DRIVEN,),
+        words=frozenset(words.split()),
+        observables=frozenset(observables.split()),
+        schemes=schemes,
+    )
+
+
+def spheres(number: int, density: float, seed: int, **more: object) -> Scene:
+    """Elastic spheres, or disks with dimension = 2, on a close-packed lattice in a periodic box, at temperature 1.
+
+    density: particles per sigma^d. more: entries of the `Scene` instead of those.
+    """
+    entries: dict[str, object] = {
+        "name": f"hard-spheres-{number}",
+        "dimension": 3,
+        "duration": 1.0,
+        "hard_spheres": HardSpheres(),
+        "box": Box(density=density),
+    }
+    entries |= more
+    start = Lattice(
+        kind="lattice",
+        structure="fcc" if entries["dimension"] == 3 else "triangular",
+        number=number,
+        temperature=1.0,
+        seed=seed,
+    )
+    return Scene(**{"initial": start, **entries})  # type: ignore[arg-type]
+
+
+def gas(
+    dimension: int,
+    number: int,
+    density: float,
+    seed: int,
+    output: Output,
+    duration: float,
+    *,
+    hard: bool = False,
+    speed: float | None = None,
+) -> Scene:
+    """Disks or spheres of one size from a square (simple cubic) lattice: T = 1, or all of one speed.
+
+    density: particles per sigma^d. hard: between hard walls, else in a periodic box.
+    """
+    return Scene(
+        name=f"hard-gas-{dimension}d",
+        dimension=dimension,  # type: ignore[arg-type]
+        duration=duration,
+        hard_spheres=HardSpheres(),
+        box=Box(density=density, boundaries=("hard" if hard else "periodic",) * dimension),
+        initial=Lattice(
+            kind="lattice",
+            structure=LATTICE[dimension],  # type: ignore[arg-type]
+            number=number,
+            temperature=1.0 if speed is None else None,
+            speed=speed,
+            seed=seed,
+        ),
+        output=output,
+    )
+
+
+def duration_of(collisions: float, number: int, eta: float, dimension: int, temperature: float = 1.0) -> float:
+    """Time in which N particles have so many pair collisions."""
+    return 2 * collisions / (number * collision_rate(eta, dimension, temperature).value)
+
+
+def in_blocks(duration: float, trajectory: bool = False) -> Output:
+    """The tallies, at the ends of the settling intervals and of the blocks."""
+    return Output(interval=duration / (SETTLING + BLOCKS), observables=TALLIES, trajectory=trajectory)
+
+
+def rates(run: Run, tally: Floats) -> Floats:
+    """Growth per time of a cumulative sum, (samples,), in each interval after the run has settled."""
+    return np.asarray((np.diff(tally) / np.diff(run["time"]))[SETTLING:])
+
+
+def run_periodic(laboratory: Laboratory, dimension: int, eta: float, number: int, collisions: float) -> Run:
+    """A periodic gas in equilibrium, for so many pair collisions, in blocks."""
+    duration = duration_of(collisions, number, eta, dimension)
+    density = number_density(eta, dimension)
+    scene = gas(dimension, number, density, laboratory.seed(), in_blocks(duration), duration)
+    return laboratory.run(scene, EVENT_DRIVEN)

@@ -1,0 +1,46 @@
+"""Scenes of square wells that several checks share, what these need of an engine, and temperatures of their runs.
+
+Units: diameter, mass and depth of the well are 1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.checks.events.gases import event_driven
+from crosscheck.engines.protocol import Run
+from crosscheck.references.square_well import WIDTH
+from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, Well
+
+#: Of every scene: what is asked for selects the compiled loop, and one is enough.
+OBSERVABLES: tuple[Observable, ...] = (
+    "kinetic_energy",
+    "potential_energy",
+    "events",
+    "collisional_virial",
+    "kinetic_energy_integral",
+    "potential_energy_integral",
+)
+WORDS = "hard_spheres.well box.boundaries=periodic"
+#: Of the checks that look at positions.
+NEEDS_STATES = event_driven(WORDS, " ".join((*OBSERVABLES, "positions", "velocities")))
+
+
+def fluid(dimension: int, number: int, density: float, temperature: float, seed: int, depth: float = 1.0) -> Scene:
+    """A periodic cube (square) of particles that start on a lattice; density per sigma^d."""
+    structure = "square" if dimension == 2 else "fcc"
+    return Scene(
+        name=f"square-well-{dimension}d-{number}",
+        dimension=dimension,  # type: ignore[arg-type]
+        duration=0.0,
+        hard_spheres=HardSpheres(well=Well(depth=depth, range=WIDTH)),
+        box=Box(density=density),
+        initial=Lattice(kind="lattice", structure=structure, number=number, temperature=temperature, seed=seed),  # type: ignore[arg-type]
+        output=Output(interval=1.0, observables=OBSERVABLES),
+    )
+
+
+def temperatures(scene: Scene, run: Run) -> Floats:
+    """Averages over each interval of 2 K/(d (N - 1)), total momentum zero."""
+    freedoms = scene.dimension * (scene.number - 1)
+    return np.asarray(2 * np.diff(run["kinetic_energy_integral"]) / (freedoms * np.diff(run["time"])))
