@@ -15,7 +15,6 @@ from crosscheck.checks.granular.driven import (
     hard_limit,
     nearest,
     profile,
-    soft_chain,
 )
 from crosscheck.scene import Floats
 from crosscheck.statistics import Mean
@@ -109,21 +108,3 @@ def test_column_energy_is_that_of_its_fall() -> None:
     # five beads 2 above the floor, or at the speed that they have gained there
     assert column_state(2.5 + np.arange(5), np.zeros(5)).energy == pytest.approx(10.0)
     assert column_state(0.5 + np.arange(5), np.full(5, -2.0)).energy == pytest.approx(10.0)
-
-
-def test_soft_chain_of_one_bead_bounces_by_its_restitution() -> None:
-    # without gravity alpha; with it, to the first order in g t_c/v: 1e-4
-    t_c, alpha = 1e-3, 0.9
-    heights, speeds = soft_chain(1, alpha, t_c, 0.0, 10.0, 5 * t_c)
-    assert speeds[0] == pytest.approx(alpha * 10.0, rel=5e-3 * 0.1)
-    assert heights[0] > 0.5
-
-
-def test_soft_chain_of_two_beads_far_apart_meets_twice() -> None:
-    # the lower bead turns round at the floor, then both meet: relative speed alpha of that before
-    t_c, alpha, speed = 1e-3, 0.9, 100.0
-    gap = 20 * speed * t_c
-    _, speeds = soft_chain(2, alpha, t_c, gap, speed, 0.015)
-    relative = alpha * (1 + alpha) * speed
-    centre = 0.5 * (alpha - 1) * speed
-    assert speeds == pytest.approx([centre - relative / 2, centre + relative / 2], rel=1e-3)
