@@ -9,13 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.checks.granular.driven import (
-    column_state,
-    fall_angles,
-    hard_limit,
-    nearest,
-    profile,
-)
+from crosscheck.checks.granular.driven import hard_limit, profile
 from crosscheck.scene import Floats
 from crosscheck.statistics import Mean
 
@@ -77,34 +71,3 @@ def test_profile_keeps_stretches_apart() -> None:
     assert mean.value == pytest.approx(19.5)
     assert mean.error == pytest.approx(np.std([4.5, 14.5, 24.5, 34.5], ddof=1) / 2)
     assert mean.independent == 4
-
-
-@given(angle=st.floats(-89, 89), radius=st.floats(0.1, 5))
-def test_fall_angle_is_that_of_the_centre_of_mass(angle: float, radius: float) -> None:
-    turn = math.radians(angle)
-    centre = np.array([10 + radius * math.sin(turn), 10 - radius * math.cos(turn)])
-    offsets = np.array([[-1.0, 2.0], [1.0, -2.0]])
-    assert fall_angles([centre + offsets], [10.0, 10.0]) == pytest.approx([angle], abs=1e-6)
-
-
-_LOW, _HIGH = Mean(1.0, 0.3, 10.0), Mean(2.0, 0.4, 20.0)
-
-
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [(0.5, _LOW), (1.2, Mean(1.2, 0.3, 10.0)), (1.9, Mean(1.9, 0.4, 20.0)), (2.25, _HIGH)],
-)
-def test_nearest_point_between_two_means(value: float, expected: Mean) -> None:
-    assert nearest(value, _LOW, _HIGH) == nearest(value, _HIGH, _LOW) == expected
-
-
-def test_column_at_rest_on_the_floor_has_no_energy() -> None:
-    state = column_state(0.5 + np.arange(6), np.zeros(6))
-    assert state.energy == 0
-    assert state.height == 3
-
-
-def test_column_energy_is_that_of_its_fall() -> None:
-    # five beads 2 above the floor, or at the speed that they have gained there
-    assert column_state(2.5 + np.arange(5), np.zeros(5)).energy == pytest.approx(10.0)
-    assert column_state(0.5 + np.arange(5), np.full(5, -2.0)).energy == pytest.approx(10.0)
