@@ -48,12 +48,8 @@ def _console() -> Console:
 
 def _offers(check: Check) -> dict[str, tuple[Variant, ...]]:
     """The variants of a check by installed engine, of those that it judges."""
-    classes = {name: engine_class(name) for name in engine_names()}
-    return {
-        name: check.offered(engine.schemes)
-        for name, engine in classes.items()
-        if runner.unmatched(check, name, engine) is None
-    }
+    offers = {name: runner.judging(check, name, engine_class(name)) for name in engine_names()}
+    return {name: variants for name, variants in offers.items() if variants}
 
 
 def list_checks(as_json: bool) -> None:

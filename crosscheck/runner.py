@@ -13,7 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from crosscheck.checks import all_checks
-from crosscheck.checks.base import Check, Laboratory
+from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.engines.capabilities import lacks
 from crosscheck.engines.protocol import Engine
 from crosscheck.engines.registry import engine_class
@@ -46,9 +46,7 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
     for check in all_checks():
         for name in dict.fromkeys(engines):
             engine = engine_class(name)
-            if unmatched(check, name, engine) is not None:
-                continue
-            for variant in check.offered(engine.schemes):
+            for variant in judging(check, name, engine):
                 case = Case(check.name, variant.name, name, check.timing)
                 named = any(fnmatchcase(case.name, p) or fnmatchcase(check.name, p) for p in patterns)
                 if (not patterns or named) and (tier == "full" or variant.tier == "quick"):
@@ -70,6 +68,17 @@ def unmatched(check: Check, name: str, engine: type[Engine]) -> str | None:
         if reason is not None:
             return reason
     return None
+
+
+def judging(check: Check, name: str, engine: type[Engine]) -> tuple[Variant, ...]:
+    """The variants of a check that judge this engine: those whose needs, and the check's own, it declares."""
+    if unmatched(check, name, engine) is not None:
+        return ()
+    return tuple(
+        variant
+        for variant in check.offered(engine.schemes)
+        if variant.needs is None or lacks(engine, variant.needs) is None
+    )
 
 
 def find(name: str) -> Check:

@@ -29,12 +29,14 @@ EVENT_DRIVEN: Kind = "event_driven"
 class Variant:
     """One of the cases of a check on every engine: its name, its parameters, and the tier that it belongs to.
 
-    name: seeds the case: not to be changed without reason. value: what `Check.judge` gets.
+    name: seeds the case: not to be changed without reason. value: what `Check.judge` gets. needs: what this variant
+    asks of an engine beside what its check asks.
     """
 
     name: str
     value: Any
     tier: Tier = "quick"
+    needs: Needs | None = None
 
 
 #: The variants of a check; or, where they are schemes, a function of those that the engine has.

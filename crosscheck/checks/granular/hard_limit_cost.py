@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Laboratory, fixed, legacy_check, soft
-from crosscheck.checks.granular.hard_limit import RESOLUTION, cooling_gas, energies, relaxed
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, soft, variants_of
+from crosscheck.checks.granular.cooling import DISKS, cooling_gas
+from crosscheck.checks.granular.gases import RESOLUTION, energies, relaxed
+from crosscheck.checks.granular.soft_grains import REFERENCE, soft_needs
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references.soft_impact import HookeImpact
@@ -21,14 +24,14 @@ REPLICAS = 16
 ERROR = 0.01
 
 
-def _judge_precision(laboratory: Laboratory, variant: str) -> Judged:
+def _judge_precision(laboratory: Laboratory) -> Judged:
     """|T(k)/T - 1| of a cooling gas against CPU seconds a run; event-driven has no such error."""
-    gas = cooling_gas(2)
+    gas = cooling_gas(DISKS)
     starts = [relaxed(laboratory, gas, f"state {i}", 2.0) for i in range(REPLICAS)]
     methods = [soft(stiffness=stiffness, resolution=RESOLUTION) for stiffness in STIFFNESSES]
     # alternated, so that a change of the machine's speed meets all; the first turn warms caches
     turns = [
-        [laboratory.run(start, EVENT_DRIVEN, engine="refimpl")] + [laboratory.run(start, method) for method in methods]
+        [laboratory.run(start, EVENT_DRIVEN, engine=REFERENCE)] + [laboratory.run(start, method) for method in methods]
         for start in (starts[0], *starts)
     ][1:]
     hard, *softs = zip(*turns, strict=True)
@@ -96,7 +99,7 @@ def _dense_gas(fraction: float) -> Scene:
     )
 
 
-def _judge_density(laboratory: Laboratory, variant: str) -> Judged:
+def _judge_density(laboratory: Laboratory) -> Judged:
     """CPU seconds per grain and unit of time over the packing fraction, and omega t_c where soft gets cheaper."""
     stiffnesses = STIFFNESSES[:-1]
     methods = [soft(stiffness=stiffness, resolution=2 * RESOLUTION) for stiffness in stiffnesses]
@@ -109,7 +112,7 @@ def _judge_density(laboratory: Laboratory, variant: str) -> Judged:
         scenes = [start.changed(duration=_STEPS * 2 * RESOLUTION * t_c) for t_c in durations]
         spent: list[list[float]] = []
         for _ in range(_TURNS):
-            run = laboratory.run(counted, EVENT_DRIVEN, engine="refimpl")
+            run = laboratory.run(counted, EVENT_DRIVEN, engine=REFERENCE)
             softs = [laboratory.run(one, method) for one, method in zip(scenes, methods, strict=True)]
             times = [float(run["time"][-1]), *(scene.duration for scene in scenes)]
             spent.append([one.cost.cpu / number / t for one, t in zip((run, *softs), times, strict=True)])
@@ -162,19 +165,20 @@ def _crossing(fractions: Floats, log_ratio: Floats, contacts: Floats) -> tuple[f
     return float(fractions[i - 1] + share * (fractions[i] - fractions[i - 1])), math.exp(float(between))
 
 
-def _judge(laboratory: Laboratory, variant: str) -> Judged:
-    return (_judge_precision if variant == "work-precision" else _judge_density)(laboratory, variant)
+def _judge(laboratory: Laboratory, judge: Callable[[Laboratory], Judged]) -> Judged:
+    return judge(laboratory)
 
 
 CHECKS = (
-    legacy_check(
+    Check(
         name="granular/hard-limit-cost",
         title="Hard disks, event-driven or soft and stiff: error against CPU time, and cost over density",
         equation="error ~ omega t_c, steps ~ 1/t_c; events ~ omega",
         criterion="event-driven is the cheaper at an error of 1 %, and at any density at which omega t_c < 1",
         citation="Mitarai & Nakanishi, PRE 67, 021301 (2003); Bannerman et al., J. Comput. Chem. 32, 3329 (2011)",
         judge=_judge,
-        variants=fixed("work-precision", "density"),
+        variants=variants_of({"work-precision": _judge_precision, "density": _judge_density}, "full"),
+        needs=soft_needs("method.contact.stiffness"),
         faults=(
             (
                 "density",
@@ -187,8 +191,6 @@ CHECKS = (
                 ),
             ),
         ),
-        engines=("refimpl", "lammps"),
-        tier="full",
         timing=True,
     ),
 )

@@ -1,17 +1,9 @@
-"""Many impacts of soft grains in one scene, and what a time step does to a contact: what checks of contacts share.
+"""Many impacts of soft grains in one scene: what the checks of single contacts share.
 
 Many pairs (or grains and a wall), each far from the others, make up one scene: a run is a curve, over angles of impact
 or over the phase of the time step at which contacts begin. Speeds of approach and diameters are near 1 and the contacts
-so short, `DURATION`, that the line of centres turns by some 1e-6 at most, far below the errors of the time step.
-
-Those are of order 1 in dt/t_c, in three ways. A contact begins and ends between two steps: a sum over steps misses up
-to half a step's share of a force that jumps, as the dashpot's does, which is c h/2 of the velocity at either end,
-h = omega_0 dt. Without one the energy of a linear contact is off by h^2/4 at most at either end. Inside, velocity
-Verlet takes the dashpot at the velocity half a step before, but solves its difference equation exactly: see
-`SteppedContact`. And a tangential spring is stretched from the step before the first that finds an overlap.
-
-Literature: J. Schaefer, S. Dippel and D. E. Wolf, J. Phys. I France 6, 5 (1996); L. E. Silbert et al., Phys. Rev. E 64,
-051302 (2001).
+so short, `DURATION`, that the line of centres turns by some 1e-6 at most, far below the errors of the time step. What
+those are: `crosscheck.references.stepped_contact`.
 """
 
 from __future__ import annotations
@@ -25,12 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.engines.protocol import Run
 from crosscheck.references import EPSILON
-from crosscheck.references.soft_impact import (
-    HookeImpact,
-    SoftContact,
-    damping,
-)
-from crosscheck.references.soft_impact import stiffness as contact_stiffness
+from crosscheck.references.soft_impact import SoftContact
 from crosscheck.scene import (
     Box,
     Contact,
@@ -60,71 +47,6 @@ PHASES = 8
 #: Distance of pairs, in diameters of the largest grain; what skin of a list an engine has.
 APART = 3.0
 STEP_LABEL = "dt / t_c"
-
-
-# -- what a time step does to a contact --------------------------------------------------------------------------------
-
-
-class SteppedContact(NamedTuple):
-    """The contact x'' = -omega_0^2 x - c omega_0 x' as velocity Verlet takes it, without its beginning and its end.
-
-    step: h = omega_0 dt. From half step to half step (x, v) is multiplied by a matrix of trace 2 - h^2 - c h and
-    determinant 1 - c h (`soft_impact.stability_limit`): each step turns by `angle` and shrinks by sqrt(1 - c h), so a
-    half turn takes pi/angle steps. ValueError from the properties if it does not swing.
-    """
-
-    damping: float
-    step: float
-
-    @property
-    def angle(self) -> float:
-        remains = 1 - self.damping * self.step
-        half_trace = 1 - (self.step**2 + self.damping * self.step) / 2
-        if remains <= half_trace**2:
-            raise ValueError("the grains creep to rest, or explode, in steps so long")
-        return math.acos(half_trace / math.sqrt(remains))
-
-    @property
-    def restitution(self) -> float:
-        """(1 - c h)^(pi/(2 angle)), alpha as h -> 0."""
-        return math.exp(0.5 * math.pi / self.angle * math.log1p(-self.damping * self.step))
-
-    @property
-    def duration(self) -> float:
-        """pi h/angle, omega_0 t_c as h -> 0."""
-        return math.pi * self.step / self.angle
-
-    @property
-    def ends(self) -> float:
-        """Largest |ln| of what the ends of the contact make of the velocity: half a step of 1 - c h and h^2/8 each."""
-        return -math.log1p(-self.damping * self.step) + self.step**2 / 4
-
-
-class Errors(NamedTuple):
-    """Relative errors by the time step, or bounds on them: restitution, contact time (a mean), largest overlap."""
-
-    restitution: float
-    time: float
-    overlap: float
-
-
-def hooke_bounds(alpha: float, resolution: float) -> Errors:
-    """Of a contact in steps of dt/t_c = `resolution`: the stepped contact against the closed form, and its ends.
-
-    The time is bounded without the counting of whole steps. The largest overlap is missed by the half step to the
-    nearest sample, h^2/8 of it, and leads the amplitude of the steps by as much.
-    """
-    exact = HookeImpact(1.0, 1.0, 1.0, alpha)
-    stepped = SteppedContact(damping(alpha), resolution * exact.contact_time)
-    alike = HookeImpact(1.0, contact_stiffness(stepped.restitution, 1.0, stepped.duration), 1.0, stepped.restitution)
-    return Errors(
-        abs(math.log(stepped.restitution / alpha)) + stepped.ends,
-        abs(stepped.duration / exact.contact_time - 1) + stepped.ends * resolution,
-        abs(math.log(alike.largest_overlap / exact.largest_overlap)) + stepped.ends,
-    )
-
-
-# -- many impacts in one scene -----------------------------------------------------------------------------------------
 
 
 class Impacts(NamedTuple):
@@ -190,10 +112,13 @@ def make_impacts(
     wall: bool = False,
     central: bool = False,
 ) -> Impacts:
-    """Impacts with the slips `thetas` times the speeds of approach, in random directions.
+    """Impacts with the slips `thetas` (P,) times the speeds of approach, in random directions.
 
-    Velocities and spins that make up the slip are random. central: the first grain's spin alone, so that the line of
-    centres turns by nothing but the impact. phases: at random by default; masses, diameters: (P, 2) or less.
+    Velocities and spins that make up the slip are random. dimension: 2 or 3. seed: of all that is random. phases (P,):
+    steps to the first touch, less 1; at random by default. speeds: of approach, (P,) or one. masses, diameters: (P, 2)
+    or what can be broadcast to it. q: I/(m R^2), by default of solid spheres or disks. wall: the second body of each
+    pair is the wall y = 0. central: the first grain's spin alone makes up the slip, so that the line of centres turns
+    by nothing but the impact.
     """
     theta = np.atleast_1d(np.asarray(thetas, dtype=np.float64))
     number, rng = theta.size, np.random.default_rng(seed)
@@ -243,13 +168,14 @@ def _unit(vectors: Floats) -> Floats:
 
 
 class Law(NamedTuple):
-    """Of all contacts of a scene: restitution; friction, or smooth; the law of the overlap, and of friction."""
+    """Of all contacts of a scene: restitution alpha; friction, None of smooth grains; the law of the overlap."""
 
     alpha: float
     friction: SoftContact | None = None
     law: Literal["hooke", "hertz"] = "hooke"
 
     def method(self, stiffness: float, dt: float) -> Method:
+        """Velocity Verlet in steps dt (time), with contacts of this law; stiffness: force/length, "hertz": /area."""
         history = "history" if self.friction is None else self.friction.friction
         return Method(
             scheme="velocity_verlet", dt=dt, contact=Contact(stiffness=stiffness, law=self.law, friction=history)
@@ -257,7 +183,10 @@ class Law(NamedTuple):
 
 
 def impact_scene(impacts: Impacts, law: Law, dt: float, steps: int, sampled: bool = False) -> Scene:
-    """The scene of the impacts, `steps` long; grains touch after their phases times dt. sampled: at every step."""
+    """The scene of the impacts, `steps` times dt long; grains touch after their phases times dt.
+
+    sampled: positions and velocities at every step are asked for, else those at the end.
+    """
     d, bodies = impacts.dimension, 1 if impacts.wall else 2
     started = impacts.touching() - (dt * impacts.phases)[:, None, None] * impacts.velocities
     sizes, species = np.unique(impacts.radii[:, :bodies].ravel(), return_inverse=True)
@@ -331,26 +260,29 @@ def overlaps(impacts: Impacts, run: Run) -> Floats:
 
 
 def turns(impacts: Impacts) -> Floats:
-    """Errors on what the turn of the line of centres changes of g' over v, v = 1, (P,).
+    """Bounds on what the turn of the line of centres during a contact changes of g'/v, v = 1; (P,).
 
-    In t_c it is |v_1 - v_2| t_c over the distance of the centres, and turns the impulse, 2 v normal to it at most, and
-    the velocity that approaches.
+    The line turns by |v_1 - v_2| t_c over the distance of the centres. With it turn the impulse, 2 v at most, and the
+    direction along which the grains approach.
     """
     speed = np.linalg.norm(impacts.velocities[:, 0] - impacts.velocities[:, 1], axis=1)
     return np.asarray(2 * DURATION * speed / impacts.radii.sum(axis=1) * (1 + speed))
 
 
 def wander(impacts: Impacts, steps: int) -> float:
-    """Four standard errors of a coordinate, which every step rounds: a random walk."""
+    """Four standard errors of a coordinate (length), which every step rounds: a random walk."""
     return 4 * math.sqrt(steps) * EPSILON * impacts.size
 
 
 def rounded_speed(impacts: Impacts, steps: int, alpha: float, duration: float) -> float:
-    """What `wander` of an overlap makes of a velocity: times omega_0^2 t_c = (pi^2 + ln^2 alpha)/t_c."""
+    """Change of a velocity by an overlap that is off by `wander`: times omega_0^2 t_c = (pi^2 + ln^2 alpha)/t_c.
+
+    steps: of the run; alpha: restitution; duration: t_c (time).
+    """
     return wander(impacts, steps) * (math.pi**2 + math.log(alpha) ** 2) / duration
 
 
 def ratio_judgement(what: str, errors: Sequence[float], bounds: Sequence[float], why: str, **more: object) -> Judged:
-    """The largest of the errors over their bounds, 1 at most."""
+    """The largest of errors over their bounds, 1 at most; both in the same order, all points of one curve."""
     ratios = np.asarray(errors) / np.asarray(bounds)
     return bounded(f"{what}, over its bound", float(ratios.max()), 1.0, why, **more)  # type: ignore[arg-type]

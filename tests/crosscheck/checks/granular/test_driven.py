@@ -9,14 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.checks.granular.driven import (
-    column_state,
-    fall_angles,
-    hard_limit,
-    nearest,
-    profile,
-    soft_chain,
-)
+from crosscheck.checks.granular.driven import hard_limit, profile
 from crosscheck.scene import Floats
 from crosscheck.statistics import Mean
 
@@ -78,52 +71,3 @@ def test_profile_keeps_stretches_apart() -> None:
     assert mean.value == pytest.approx(19.5)
     assert mean.error == pytest.approx(np.std([4.5, 14.5, 24.5, 34.5], ddof=1) / 2)
     assert mean.independent == 4
-
-
-@given(angle=st.floats(-89, 89), radius=st.floats(0.1, 5))
-def test_fall_angle_is_that_of_the_centre_of_mass(angle: float, radius: float) -> None:
-    turn = math.radians(angle)
-    centre = np.array([10 + radius * math.sin(turn), 10 - radius * math.cos(turn)])
-    offsets = np.array([[-1.0, 2.0], [1.0, -2.0]])
-    assert fall_angles([centre + offsets], [10.0, 10.0]) == pytest.approx([angle], abs=1e-6)
-
-
-_LOW, _HIGH = Mean(1.0, 0.3, 10.0), Mean(2.0, 0.4, 20.0)
-
-
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [(0.5, _LOW), (1.2, Mean(1.2, 0.3, 10.0)), (1.9, Mean(1.9, 0.4, 20.0)), (2.25, _HIGH)],
-)
-def test_nearest_point_between_two_means(value: float, expected: Mean) -> None:
-    assert nearest(value, _LOW, _HIGH) == nearest(value, _HIGH, _LOW) == expected
-
-
-def test_column_at_rest_on_the_floor_has_no_energy() -> None:
-    state = column_state(0.5 + np.arange(6), np.zeros(6))
-    assert state.energy == 0
-    assert state.height == 3
-
-
-def test_column_energy_is_that_of_its_fall() -> None:
-    # five beads 2 above the floor, or at the speed that they have gained there
-    assert column_state(2.5 + np.arange(5), np.zeros(5)).energy == pytest.approx(10.0)
-    assert column_state(0.5 + np.arange(5), np.full(5, -2.0)).energy == pytest.approx(10.0)
-
-
-def test_soft_chain_of_one_bead_bounces_by_its_restitution() -> None:
-    # without gravity alpha; with it, to the first order in g t_c/v: 1e-4
-    t_c, alpha = 1e-3, 0.9
-    heights, speeds = soft_chain(1, alpha, t_c, 0.0, 10.0, 5 * t_c)
-    assert speeds[0] == pytest.approx(alpha * 10.0, rel=5e-3 * 0.1)
-    assert heights[0] > 0.5
-
-
-def test_soft_chain_of_two_beads_far_apart_meets_twice() -> None:
-    # the lower bead turns round at the floor, then both meet: relative speed alpha of that before
-    t_c, alpha, speed = 1e-3, 0.9, 100.0
-    gap = 20 * speed * t_c
-    _, speeds = soft_chain(2, alpha, t_c, gap, speed, 0.015)
-    relative = alpha * (1 + alpha) * speed
-    centre = 0.5 * (alpha - 1) * speed
-    assert speeds == pytest.approx([centre - relative / 2, centre + relative / 2], rel=1e-3)

@@ -1,24 +1,16 @@
-"""The logic that the checks of soft contacts bring with them, by independent routes."""
+"""How oblique impacts are reduced to slips and compared with the hard rule, on impacts by that rule."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from crosscheck.checks.granular.contacts import _hard_errors, friction_bounds
 from crosscheck.checks.granular.impacts import after, make_impacts, rebound
+from crosscheck.checks.granular.oblique_impact import _hard_errors
 from crosscheck.engines.protocol import Run
 from crosscheck.references import granular
 from crosscheck.references.granular import Body
 from crosscheck.references.soft_impact import SoftContact, hard_impact
-
-
-@pytest.mark.parametrize("contact", [SoftContact(0.8, -0.5, 0.3), SoftContact(0.6, 0.3, 0.3, 0.5, "dashpot")])
-def test_friction_bounds_are_of_order_one_and_grow_with_the_slip(contact: SoftContact) -> None:
-    thetas = np.array([0.1, 1.0, 5.0])
-    coarse, fine = (friction_bounds(thetas, contact, resolution) for resolution in (1e-3, 1e-4))
-    np.testing.assert_allclose(coarse / fine, 10, rtol=0.05)
-    assert (np.diff(fine) > 0).all()
 
 
 @pytest.mark.parametrize("wall", [False, True])
@@ -40,6 +32,6 @@ def test_rebound_and_hard_errors_against_the_hard_rule(wall: bool) -> None:
     # rows of a run are put back in their places
     grains = velocities[:, : 1 if wall else 2].reshape(-1, 3)[:, :2]
     turning = spins[:, : 1 if wall else 2].reshape(-1, 3)[:, 2:]
-    run = Run(np.zeros(1), grains, grains, final_angular_velocities=turning)
+    run = Run(final_positions=grains, final_velocities=grains, final_angular_velocities=turning)
     for found, expected in zip(after(impacts, run), (velocities, spins), strict=True):
         np.testing.assert_array_equal(found, expected)

@@ -1,0 +1,16 @@
+"""What the checks of soft grains share: what they ask of an engine, and what they compare it with."""
+
+from __future__ import annotations
+
+from crosscheck.engines.capabilities import Needs
+
+#: The engine of the runs that others are compared with: event-driven ones, and soft ones where two codes are compared.
+REFERENCE = "refimpl"
+#: Where `refimpl` has the laws of contacts: the file in which faults are planted.
+CONTACTS = "stepping/kernels/contacts.py"
+
+
+def soft_needs(words: str = "", observables: str = "") -> Needs:
+    """Hard spheres as soft ones, by time steps. words, observables: what is needed beside that, apart by spaces."""
+    contact = "method.contact method.contact.law=hooke"
+    return Needs("hard_spheres", ("stepping",), frozenset(f"{contact} {words}".split()), frozenset(observables.split()))

@@ -1,0 +1,122 @@
+"""Largest stable time step of a soft contact, by bisection.
+
+Literature: J. Schaefer, S. Dippel and D. E. Wolf, J. Phys. I France 6, 5 (1996).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.granular.impacts import STEP_LABEL, Law
+from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
+from crosscheck.faults import Fault
+from crosscheck.figure import Figure, Series
+from crosscheck.references import EPSILON
+from crosscheck.references.soft_impact import damping, stability_limit, stable_resolution
+from crosscheck.references.stepped_contact import growth_delay
+from crosscheck.scene import Box, Face, HardSpheres, Scene, explicit
+from crosscheck.verdict import Judged, within
+
+#: Steps of a grain between two walls, and its speed, in diameters and units of omega_0.
+STABLE_STEPS, STABLE_SPEED = 4000, 1e-9
+#: Growth beyond which it explodes: just below the limit it may grow with the steps, 2 a step (a Jordan block).
+EXPLODED = 10.0 * STABLE_STEPS
+#: Restitutions.
+_ALPHAS = {"elastic": 1.0, "damped": 0.7, "strongly-damped": 0.05}
+#: Relative width at which bisection ends.
+_BISECTED = 2e-5
+
+
+def bisect(explodes: Callable[[float], bool], low: float, high: float, width: float) -> float:
+    """The place from where on it explodes, to `width`. ValueError unless it lies between low and high."""
+    if explodes(low) or not explodes(high):
+        raise ValueError(f"the limit does not lie between {low} and {high}")
+    while high - low > width:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if explodes(middle) else (middle, high)
+    return 0.5 * (low + high)
+
+
+def _growth(laboratory: Laboratory, alpha: float, step: float, steps: int) -> float:
+    """sqrt(v^2 + (omega_0 x)^2) over the speed at the start, m = k = 1, of a grain that fits between two walls."""
+    scene = Scene(
+        name="between-walls",
+        dimension=2,
+        duration=step * steps,
+        hard_spheres=HardSpheres(restitution=alpha),
+        box=Box(
+            lengths=(4.0, 1.0),
+            boundaries=("open", "hard"),
+            faces={"y-": Face(restitution=alpha), "y+": Face(restitution=alpha)},
+        ),
+        initial=explicit(np.array([[2.0, 0.5]]), np.array([[0.0, STABLE_SPEED]])),
+    )
+    run = laboratory.run(scene, Law(alpha).method(1.0, step))
+    size = math.hypot(run["final_velocities"][0, 1], run["final_positions"][0, 1] - 0.5) / STABLE_SPEED
+    return math.inf if run.diverged or not math.isfinite(size) else size
+
+
+def _judge_step_limit(laboratory: Laboratory, alpha: float) -> Judged:
+    c = damping(alpha)
+    limit = stability_limit(c)
+    per_contact = math.sqrt(1 - c * c / 4) / math.pi
+
+    def explodes(share: float) -> bool:
+        return _growth(laboratory, alpha, share * limit, STABLE_STEPS) > EXPLODED
+
+    try:
+        found = limit * bisect(explodes, 0.9, 1.1, _BISECTED)
+    except ValueError:
+        found = math.nan
+    delay = growth_delay(c, EXPLODED, STABLE_STEPS)
+    steps, shares = 100, np.concatenate([np.linspace(0.5, 0.98, 13), np.linspace(0.99, 1.05, 13)])
+    sizes = [_growth(laboratory, alpha, float(share) * limit, steps) for share in shares]
+    x = [float(share) * limit * per_contact for share in shares]
+    grown = Series(f"alpha = {alpha:g}", x, [max(size, EPSILON) ** 2 for size in sizes])
+    threshold = Series(
+        f"alpha = {alpha:g}, limit", [limit * per_contact] * 2, [min(grown.y), max(max(grown.y), 1.0)], theory=True
+    )
+    figure = Figure(
+        "energy after 100 steps", STEP_LABEL, "energy over that at the start", "linear", "log", (grown, threshold)
+    )
+    return within(
+        "round_off",
+        "largest stable omega_0 dt",
+        found,
+        limit,
+        limit * (delay + _BISECTED),
+        f"bisected to {_BISECTED:g}, and a step must exceed the limit by {delay:.1e} to grow by {EXPLODED:g} in "
+        f"{STABLE_STEPS} steps",
+        note=f"c = {c:.4g}; the limit is dt/t_c = {stable_resolution(c):.4f}",
+        figures=(figure,),
+    )
+
+
+CHECKS = (
+    Check(
+        name="granular/step-limit",
+        title="Largest stable time step of a soft contact",
+        equation="omega_0 dt < sqrt(c^2 + 4) - c",
+        criterion="a grain that fits between two walls, so that one always touches: the limit by bisection",
+        citation="Schaefer, Dippel & Wolf, J. Phys. I France 6, 5 (1996)",
+        judge=_judge_step_limit,
+        variants=variants_of(_ALPHAS, "full"),
+        needs=soft_needs("dimension=2 method.contact.stiffness box.boundaries=hard"),
+        faults=(
+            (
+                "damped",
+                Fault(
+                    "wall-of-the-pair-mass",
+                    CONTACTS,
+                    "mass, approach = 1.0 / inverse_masses[i], _product(g, n)",
+                    "mass, approach = 0.5 / inverse_masses[i], _product(g, n)",
+                    "the reduced mass at a wall is that of a pair",
+                ),
+            ),
+        ),
+    ),
+)
