@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from crosscheck.checks.base import Laboratory, Tier, Variant
 from crosscheck.engines.capabilities import refusal
@@ -104,8 +105,8 @@ def boltzmann_method(laboratory: Laboratory) -> Method:
 # -- starting states -------------------------------------------------------------------------------------
 
 
-def equilibrium_start(model: str, density: float, velocity: tuple[float, float]) -> Floats:
-    """Fermi-Dirac occupations (b,) for mean occupation d and mean velocity (links per step), as scenes start with."""
+def equilibrium_start(model: str, density: float, velocity: ArrayLike) -> Floats:
+    """Fermi-Dirac occupations (b,) as scenes start with them; density: d. velocity: (2,), links per step."""
     return theory.fermi_dirac(models.MODELS[model].velocities, density, velocity)
 
 

@@ -45,9 +45,10 @@ def test_occupations_away_from_equilibrium(data: st.DataObject) -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_starting_equilibrium_is_that_of_the_references(name: str) -> None:
-    np.testing.assert_allclose(
-        equilibrium_start(name, 0.3, (0.1, 0.05)), fermi_dirac(name, 0.3, (0.1, 0.05)), rtol=0, atol=1e-15
-    )
+    for density in (0.2, 0.3, 0.4):
+        for velocity in ((0.1, 0.05), (0.2, 0.1)):
+            start, reference = equilibrium_start(name, density, velocity), fermi_dirac(name, density, velocity)
+            np.testing.assert_allclose(start, reference, rtol=0, atol=1e-15)
 
 
 # -- names, scenes and schemes -----------------------------------------------------------------------------------------
