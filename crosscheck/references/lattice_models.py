@@ -152,7 +152,7 @@ def _partners(model: str) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
         conserved &= ~still[:, None] | same(resting)
     identity = np.eye(len(s), dtype=bool)
     partners = conserved | identity if model == "fhp_saturated_identity" else conserved & ~identity
-    partners |= identity & ~partners.any(axis=1)[:, None]
+    partners |= identity & ~partners.any(axis=1, keepdims=True)
     return partners, partners.sum(axis=1, keepdims=True)
 
 
