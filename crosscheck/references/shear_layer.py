@@ -17,8 +17,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
+def largest_growth(speed: float, width: float) -> float:
+    """Growth rate of the fastest wave on one tanh layer without viscosity, 0.1897 U/delta; speed: U, width: delta."""
+    return 0.1897 * speed / width
+
+
 def double_layer(y: ArrayLike, period: float, speed: float, width: float) -> NDArray[np.float64]:
-    """speed (tanh((y - L/4)/width) - tanh((y - 3 L/4)/width) - 1): two layers in a period L."""
+    """speed (tanh((y - L/4)/width) - tanh((y - 3 L/4)/width) - 1): two layers in a period L, (points,).
+
+    y: places (points,); period: L; width: delta, all in one unit of length. speed: U far from the layers.
+    """
     place = np.asarray(y, dtype=np.float64)
     return speed * (np.tanh((place - period / 4) / width) - np.tanh((place - 3 * period / 4) / width) - 1)
 
@@ -34,8 +42,9 @@ def disturbance(
 ) -> NDArray[np.complex128]:
     """v(y) at the times given, (times, points), of a disturbance whose v is `start` everywhere at time 0.
 
-    flow: U (points,) at points `spacing` apart, one period. Spectral in y, fourth-order Runge-Kutta in time, with steps
-    a quarter of the stability limit.
+    flow: U (points,) at points `spacing` apart, one period. wavenumber: k along x. viscosity: nu. advection: g. start:
+    velocity; |v| well below U, or the equation is not linear. times: (times,), not decreasing, from 0 on. Spectral in
+    y, fourth-order Runge-Kutta in time, with steps a quarter of the stability limit.
     """
     u = np.asarray(flow, dtype=np.float64)
     q = 2 * math.pi * np.fft.fftfreq(u.size, spacing)

@@ -10,23 +10,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Laboratory, reference_check
-from crosscheck.checks.lattice.states import (
-    NO_COLLISIONS,
-    PLANES,
-    filled,
-    gas_scene,
-    populations,
-)
-from crosscheck.checks.lattice.transport import shear_wave_viscosities, standing_wave
+from crosscheck.checks.base import Check, Laboratory, full
+from crosscheck.checks.lattice.gases import LATTICE, NO_COLLISIONS, filled, gas_scene, populations
+from crosscheck.checks.lattice.waves import first_guess, shear_wave_viscosities, standing_wave
+from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import lattice_gas as known
+from crosscheck.references import lattice_thesis as reported
+from crosscheck.references.channel_flow import channel_sound
+from crosscheck.references.lattice_models import VELOCITIES, modes
 from crosscheck.scene import Floats, Obstacle, Output, Wave
 from crosscheck.statistics import independent_mean
-from crosscheck.verdict import Judged, bounded, statistical, worst
-from refimpl.lattice.models import MODELS
-from refimpl.lattice.theory import modes
+from crosscheck.verdict import Judged, Judgement, bounded, statistical, worst
 
 _SOURCE = "Pliego Diaz, thesis, UNAM (1991), sec. 4.3"
 RUNS, EVERY, CELL, SAMPLES = 10, 10, 5, 1024
@@ -62,8 +58,8 @@ def _experiment(
     for run in range(RUNS):
         start = filled(density, laboratory.seed(str(run)), waves=(wave,), cells=CELL)
         scene = gas_scene("box", model, rows, columns, 10300, start, output, obstacles=edges if box else ())
-        counts = populations(laboratory.run(scene, PLANES)).sum(axis=3)
-        found.append(counts[:, :, middle].mean(axis=2) / (CELL**2 * MODELS[model].channels) - density)
+        counts = populations(laboratory.run(scene, LATTICE)).sum(axis=3)
+        found.append(counts[:, :, middle].mean(axis=2) / (CELL**2 * VELOCITIES[model].channels) - density)
     return Box(np.arange(len(found[0])) * float(EVERY), np.array(found), columns)
 
 
@@ -87,8 +83,8 @@ def _fits(times: Floats, signals: Floats, damping: float, frequency: float) -> F
 # -- experiment 1 ----------------------------------------------------------------------------------------
 
 
-def _judge_hpp(laboratory: Laboratory, variant: str) -> Judged:
-    return _hpp_box(laboratory) if variant == "box" else _hpp_periodic(laboratory)
+def _judge_hpp(laboratory: Laboratory, walls: bool) -> Judged:
+    return _hpp_box(laboratory) if walls else _hpp_periodic(laboratory)
 
 
 def _hpp_box(laboratory: Laboratory) -> Judged:
@@ -98,14 +94,14 @@ def _hpp_box(laboratory: Laboratory) -> Judged:
     box = _experiment(laboratory, "hpp", columns, 95, 0.5, wave)
     length = columns - 1
     k = math.pi / length
-    theory = modes(MODELS["hpp"], 0.5, (k, 0.0))
+    guess, theory = first_guess("hpp", 0.5, (k, 0.0)), modes("hpp", 0.5, (k, 0.0))
     peaks = {_peak(run[:, strip]) for run in box.strips for strip in (15, 45)}
     first = _cosine(box, 1)
-    fits = _fits(box.times, first, theory.sound_damping, theory.sound_frequency)
+    fits = _fits(box.times, first, guess.sound_damping, guess.sound_frequency)
     speed, u = independent_mean(fits[:, 1] / k)
     damping, u_damping = independent_mean(2 * fits[:, 0] / k**2)
     expected = theory.sound_frequency / k
-    shares = known.half_sine_modes(3)
+    shares = reported.half_sine_modes(3)
     share, u_share = independent_mean(_cosine(box, 3)[:, 0] / first[:, 0])
     half_node = 0.5 / length
     judgements = [
@@ -144,11 +140,10 @@ def _hpp_box(laboratory: Laboratory) -> Judged:
             samples=RUNS,
         ),
     ]
-    period, reported = known.THESIS_HPP
     note = (
-        f"thesis: period {period}, c {reported}. Its method here: bins {sorted(peaks)} of 10240 steps, periods "
-        f"{', '.join(f'{10 * SAMPLES / peak:.1f}' for peak in sorted(peaks))}. "
-        f"Right: T = {2 * math.pi / fits[:, 1].mean():.1f}, c = {speed:.4f}({u:.1g})"
+        f"thesis: period {reported.HPP[0]}, c {reported.HPP[1]}. Its method here: bins {sorted(peaks)} of 10240 steps, "
+        f"periods {', '.join(f'{10 * SAMPLES / peak:.1f}' for peak in sorted(peaks))}. "
+        f"Period of the first cosine: {2 * math.pi / fits[:, 1].mean():.1f}"
     )
     return worst(judgements, note, (_curve("HPP box, d = 0.5", "crest, cell 15", box, 15),))
 
@@ -157,7 +152,7 @@ def _hpp_periodic(laboratory: Laboratory) -> Judged:
     """With periodic edges the sine is a mode: bin 24; read as the index of an array that starts with 1, bin 25."""
     columns = 305
     k = 2 * math.pi / columns
-    theory = modes(MODELS["hpp"], 0.5, (k, 0.0))
+    guess, theory = first_guess("hpp", 0.5, (k, 0.0)), modes("hpp", 0.5, (k, 0.0))
     peaks: set[int] = set()
     speeds = []
     for amplitude in (0.1, 0.05):
@@ -167,10 +162,10 @@ def _hpp_periodic(laboratory: Laboratory) -> Judged:
             peaks = {_peak(run[:, strip]) for run in gas.strips for strip in (15, 45)}
         x = (np.arange(gas.strips.shape[2]) + 0.5) * CELL - 0.5
         signal = gas.strips @ np.sin(k * x) * 2 / x.size
-        speeds.append(_fits(gas.times, signal, theory.sound_damping, theory.sound_frequency)[:, 1] / k)
+        speeds.append(_fits(gas.times, signal, guess.sound_damping, guess.sound_frequency)[:, 1] / k)
     # half the amplitude has a quarter of the shift
     speed, u = independent_mean((4 * speeds[1] - speeds[0]) / 3)
-    period, reported = known.THESIS_HPP
+    period = reported.HPP[0]
     judgements = [
         bounded(
             "Fourier peaks of the strips, distance from bin 24",
@@ -183,6 +178,7 @@ def _hpp_periodic(laboratory: Laboratory) -> Judged:
             abs(period / (10 * SAMPLES / 25) - 1),
             0.5 / 25,
             "half a bin: the thesis's number is that of bin 24 counted from 1",
+            control=True,
         ),
         statistical(
             "c of the sine, at vanishing amplitude",
@@ -196,8 +192,8 @@ def _hpp_periodic(laboratory: Laboratory) -> Judged:
         ),
     ]
     note = (
-        f"thesis: period {period}, c {reported}; here bins {sorted(peaks)}, c = {speed:.5f}({u:.1g}); "
-        f"{speeds[0].mean():.5f} at the thesis's amplitude"
+        f"thesis: period {period}, c {reported.HPP[1]}; here bins {sorted(peaks)}, "
+        f"c = {speeds[0].mean():.5f} at the thesis's amplitude"
     )
     return worst(judgements, note)
 
@@ -205,26 +201,21 @@ def _hpp_periodic(laboratory: Laboratory) -> Judged:
 # -- experiment 2 ----------------------------------------------------------------------------------------
 
 
-def _judge_fhp(laboratory: Laboratory, variant: str) -> Judged:
+def _judge_fhp(laboratory: Laboratory, density: float) -> Judged:
     """Period, sound speed and 'viscosity' of the thesis, and of the same runs; the wave feels the side walls."""
-    density = float(variant.removeprefix("d"))
     columns, rows = 295, 100
     wave = Wave(of="density", amplitude=0.1, mode=(0.5, 0.0))
     box = _experiment(laboratory, FHP, columns, rows, density, wave)
     length, height = columns - 1, (rows - 1) * math.sqrt(3) / 2
-    k = math.pi / length
     true, true_error = independent_mean(shear_wave_viscosities(laboratory, FHP, density, 128))
     boltzmann = known.shear_viscosity(FHP, density)
-    channel = known.channel_sound(known.SOUND_SPEED[FHP], true, k, height)
-    thin = known.channel_sound(known.SOUND_SPEED[FHP], boltzmann, k, height)
-    strips = [box.strips[:, :, strip].mean(axis=0) for strip in (8, 50)]
-    peaks = {_peak(strip) for strip in strips}
-    first = _cosine(box, 1)
-    fits = _fits(box.times, first, -channel.real, channel.imag)
+    speed_of_sound, k = known.SOUND_SPEED[FHP], math.pi / length
+    channel = channel_sound(speed_of_sound, true, k, height)
+    thin = channel_sound(speed_of_sound, boltzmann, k, height)
+    peaks = {_peak(box.strips[:, :, strip].mean(axis=0)) for strip in (8, 50)}
+    fits = _fits(box.times, _cosine(box, 1), -channel.real, channel.imag)
     alpha, u_alpha = independent_mean(fits[:, 0])
     speed, u_speed = independent_mean(fits[:, 1] / k)
-    scale = 2 * length**2 / math.pi**2
-    reported = np.array(known.THESIS_VISCOSITY[density])
     # the walls' place is known to half a link on either side, and the gas's viscosity as it differs from Boltzmann's
     wall = 1 / height
     nonlinear = (0.1 / density) ** 2 / 16
@@ -250,42 +241,59 @@ def _judge_fhp(laboratory: Laboratory, variant: str) -> Judged:
             speed,
             u_speed,
             channel.imag / k,
-            math.hypot((channel - thin).imag / k, (channel.imag / k - known.SOUND_SPEED[FHP]) * wall,
+            math.hypot((channel - thin).imag / k, (channel.imag / k - speed_of_sound) * wall,
                        speed * 0.5 / length, speed * nonlinear),
             f"standard error of {RUNS} runs; boundary layers, half a site in the length, the square of the amplitude",
             samples=RUNS,
         ),
-        statistical(
-            "2 (10 alpha) L^2/pi^2, the thesis's nu",
-            10 * alpha * scale,
-            10 * u_alpha * scale,
-            float(reported.mean()),
-            0.15 * float(reported.mean()),
-            "standard error; the thesis's own 15 %: its slopes are per sample of 10 steps",
-            samples=RUNS,
-        ),
+        _thesis_viscosity(density, alpha, u_alpha, length),
     ]  # fmt: skip
+    scale = 2 * length**2 / math.pi**2
     note = (
-        f"thesis: period {known.THESIS_FHP[0]}, c {known.THESIS_FHP[1]}, nu {reported[0]:g} and {reported[1]:g}. "
-        f"Its method here: bin {sorted(peaks)}, period {10 * SAMPLES / min(peaks):.1f} (bin 13, counted from 1: "
-        f"{10 * SAMPLES / 13:.1f}); nu {10 * alpha * scale:.1f}, per step {alpha * scale:.2f}. Right: c = "
-        f"{speed:.4f}({u_speed:.1g}), nu = {true:.3f}({true_error:.1g}) by a shear wave, Boltzmann {boltzmann:.3f}"
+        f"thesis: period {reported.FHP[0]}, c {reported.FHP[1]}, nu {_viscosities(density)}. Its method here: bin "
+        f"{sorted(peaks)}, period {10 * SAMPLES / min(peaks):.1f} (bin 13, counted from 1: {10 * SAMPLES / 13:.1f}); "
+        f"nu per step {alpha * scale:.2f}. By a shear wave nu = {true:.3f}({true_error:.1g}), Boltzmann {boltzmann:.3f}"
     )
-    d_axis = sorted(known.THESIS_VISCOSITY)
-    figure = Figure(
+    figure = _viscosity_figure(density, alpha * scale, u_alpha * scale, (true, true_error))
+    return worst(judgements, note, (figure, _curve(f"FHP box, d = {density:g}", "crest, cell 8", box, 8)))
+
+
+def _viscosities(density: float) -> str:
+    crest, trough = reported.VISCOSITY[density]
+    return f"{crest:g} and {trough:g}"
+
+
+def _thesis_viscosity(density: float, alpha: float, u_alpha: float, length: float) -> Judgement:
+    """What the thesis takes for nu: 2 L^2/pi^2 times the decay between two samples. alpha: per step; length: links."""
+    scale = 2 * length**2 / math.pi**2
+    number = np.array(reported.VISCOSITY[density])
+    return statistical(
+        "2 (10 alpha) L^2/pi^2, the thesis's nu",
+        10 * alpha * scale,
+        10 * u_alpha * scale,
+        float(number.mean()),
+        0.15 * float(number.mean()),
+        "standard error; the thesis's own 15 %: its slopes are per sample of 10 steps",
+        samples=RUNS,
+    )
+
+
+def _viscosity_figure(density: float, value: float, error: float, shear: tuple[float, float]) -> Figure:
+    """value, error: 2 alpha L^2/pi^2 per step, links^2. shear: nu of a shear wave and its error."""
+    axis = sorted(reported.VISCOSITY)
+    return Figure(
         "'Viscosity' of the thesis's box, and the gas's",
         "d",
         "nu",
         y_scale="log",
         series=(
-            Series("thesis, crest", d_axis, [known.THESIS_VISCOSITY[d][0] for d in d_axis], theory=True),
-            Series("its method here, per sample", [density], [10 * alpha * scale], error=[10 * u_alpha * scale]),
-            Series("the same per step", [density], [alpha * scale], error=[u_alpha * scale]),
-            Series("shear wave", [density], [true], error=[true_error]),
-            Series("Boltzmann", d_axis, [known.shear_viscosity(FHP, d) for d in d_axis], theory=True),
+            Series("thesis, crest", axis, [reported.VISCOSITY[d][0] for d in axis], theory=True),
+            Series("its method here, per sample", [density], [10 * value], error=[10 * error]),
+            Series("the same per step", [density], [value], error=[error]),
+            Series("shear wave", [density], [shear[0]], error=[shear[1]]),
+            Series("Boltzmann", axis, [known.shear_viscosity(FHP, d) for d in axis], theory=True),
         ),
     )
-    return worst(judgements, note, (figure, _curve(f"FHP box, d = {density:g}", "crest, cell 8", box, 8)))
 
 
 def _curve(title: str, label: str, box: Box, strip: int) -> Figure:
@@ -298,26 +306,36 @@ def _curve(title: str, label: str, box: Box, strip: int) -> Figure:
     )
 
 
+_NEEDS = Needs(
+    "lattice_gas",
+    (LATTICE,),
+    words=frozenset({"lattice_gas.obstacles", "lattice_gas.obstacles.columns", "lattice_gas.obstacles.rows"}),
+    observables=frozenset({"populations"}),
+)
+
 CHECKS = (
-    reference_check(
-        "lattice/thesis-hpp",
-        "Thesis, experiment 1: sound of HPP in a box, and with periodic edges",
-        "c = 2 L/T, T of the first cosine",
-        "c of the right method within its standard error; the thesis's peaks replicated, its period explained",
-        _SOURCE,
-        _judge_hpp,
-        ("box", "periodic"),
-        (("box", NO_COLLISIONS),),
+    Check(
+        name="lattice/thesis-hpp",
+        title="Thesis, experiment 1: sound of HPP in a box, and with periodic edges",
+        equation="c = 2 L/T, T of the first cosine",
+        criterion="c of the right method within its standard error; the thesis's peaks replicated, "
+        "its period explained",
+        citation=_SOURCE,
+        judge=_judge_hpp,
+        variants=full(box=True, periodic=False),
+        faults=(("box", NO_COLLISIONS),),
+        needs=_NEEDS,
     ),
-    reference_check(
-        "lattice/thesis-fhp",
-        "Thesis, experiment 2: sound of FHP in a box, its period, sound speed and viscosity",
-        "s^2/(1 - tanh(q)/q) + nu k^2 s + c^2 k^2 = 0, q = (H/2)(s/nu)^(1/2)",
-        "damping and frequency of a channel with no-slip walls; the thesis's numbers replicated by its method",
-        _SOURCE + "; Kirchhoff, Ann. Phys. 210, 177 (1868)",
-        _judge_fhp,
-        tuple(f"d{d:g}" for d in sorted(known.THESIS_VISCOSITY)),
-        (
+    Check(
+        name="lattice/thesis-fhp",
+        title="Thesis, experiment 2: sound of FHP in a box, its period, sound speed and viscosity",
+        equation="s^2/(1 - tanh(q)/q) + nu k^2 s + c^2 k^2 = 0, q = (H/2)(s/nu)^(1/2)",
+        criterion="damping and frequency of a channel with no-slip walls; the thesis's numbers replicated "
+        "by its method",
+        citation=_SOURCE + "; Kirchhoff, Ann. Phys. 210, 177 (1868)",
+        judge=_judge_fhp,
+        variants=full(**{f"d{density:g}": density for density in sorted(reported.VISCOSITY)}),
+        faults=(
             (
                 "d0.5",
                 Fault(
@@ -329,5 +347,6 @@ CHECKS = (
                 ),
             ),
         ),
+        needs=_NEEDS,
     ),
 )

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import time
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Laboratory, fixed, legacy_check
-from crosscheck.checks.lattice.states import LOOKUP, NUMPY, PLANES, filled, gas_scene
+from crosscheck.checks.base import Check, Laboratory, full
+from crosscheck.checks.lattice.gases import LATTICE, filled, gas_scene
+from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
-from crosscheck.scene import Output
+from crosscheck.references.lattice_models import VELOCITIES
+from crosscheck.scene import Method, Output
 from crosscheck.verdict import Judged, Judgement, bounded
-from refimpl.lattice.models import MODELS
 
+PLANES, LOOKUP, NUMPY = (Method(scheme=f"lattice_{name}") for name in ("planes", "lookup", "numpy"))
 TURNS, SIZE, STEPS = 7, 4096, 20
 #: Bits that a site's step moves through memory: every channel is read and written. Goal, as a part of the bandwidth.
 GOALS = {"hpp": 0.8, "fhp1": 0.6, "fhp_saturated": 0.6}
@@ -28,15 +31,21 @@ def copy_bandwidth() -> float:
     return 2 * source.nbytes / (time.perf_counter() - started)
 
 
-def _judge(laboratory: Laboratory, variant: str) -> Judged:
+class Race(NamedTuple):
+    """Bit planes of a model beside the memory's bandwidth, or beside the evolvers that move bytes."""
+
+    model: str
+    beside: Literal["memory", "lookup"]
+
+
+def _judge(laboratory: Laboratory, race: Race) -> Judged:
     """Site updates per second of bit planes, as bytes moved, over those of a copy; the others, on a smaller lattice."""
-    name, kind = variant.rsplit("-", 1)
-    return _beside_memory(laboratory, name) if kind == "memory" else _beside_lookup(laboratory, name)
+    return (_beside_memory if race.beside == "memory" else _beside_lookup)(laboratory, race.model)
 
 
 def _beside_memory(laboratory: Laboratory, name: str) -> Judgement:
     scene = gas_scene("large", name, SIZE, SIZE, STEPS, filled(0.3, laboratory.seed()), Output())
-    bits = 2 * MODELS[name].channels
+    bits = 2 * VELOCITIES[name].channels
     ratios, rates = [], []
     for turn in range(TURNS + 1):
         wall = laboratory.run(scene, PLANES).cost.wall
@@ -75,7 +84,7 @@ def _beside_lookup(laboratory: Laboratory, name: str) -> Judgement:
 
 
 CHECKS = (
-    legacy_check(
+    Check(
         name="performance/lattice-gas",
         title="Lattice gases: bit planes beside the memory's bandwidth, and beside bytes",
         equation="site updates/seconds",
@@ -83,7 +92,16 @@ CHECKS = (
         "thread; 20 times the table look-up",
         citation="Kohring, J. Stat. Phys. 63, 411 (1991)",
         judge=_judge,
-        variants=fixed(*(f"{name}-memory" for name in GOALS), "fhp_saturated-lookup", "hpp-lookup"),
+        variants=full(
+            **{
+                f"{race.model}-{race.beside}": race
+                for race in (
+                    *(Race(name, "memory") for name in GOALS),
+                    Race("fhp_saturated", "lookup"),
+                    Race("hpp", "lookup"),
+                )
+            }
+        ),
         faults=(
             (
                 "fhp_saturated-lookup",
@@ -97,7 +115,12 @@ CHECKS = (
                 ),
             ),
         ),
-        tier="full",
+        needs=Needs(
+            "lattice_gas",
+            (LATTICE,),
+            schemes=tuple(method.scheme for method in (PLANES, LOOKUP, NUMPY)),
+            promises=("speed",),
+        ),
         timing=True,
     ),
 )

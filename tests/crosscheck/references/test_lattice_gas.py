@@ -1,4 +1,4 @@
-"""Closed forms of lattice gases against the theory of any table, and the numbers of the thesis against one another."""
+"""Closed forms of lattice gases against the collisions they follow from: by `lattice_models` and by `refimpl`."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from crosscheck.references import lattice_gas as known
+from crosscheck.references.lattice_models import VELOCITIES, linearised_collision, modes
 from refimpl.lattice import theory
 from refimpl.lattice.models import MODELS
 
@@ -67,88 +68,38 @@ def test_what_there_is_not() -> None:
         known.relaxation_rate("fhp", 0.3)
 
 
-# -- sound in a channel ------------------------------------------------------------------------------------------------
-
-C = math.sqrt(0.5)
+# -- against the models as they are printed ----------------------------------------------------------------------------
 
 
-@given(
-    c=st.floats(0.3, 1.0),
-    nu=st.floats(1e-3, 1.0),
-    k=st.floats(1e-3, 0.05),
-    layers=st.floats(10, 1000),
-)
-def test_channel_sound_solves_its_equation(c: float, nu: float, k: float, layers: float) -> None:
-    height = layers * math.sqrt(2 * nu / (c * k))
-    s = known.channel_sound(c, nu, k, height)
-    q = height / 2 * np.sqrt(s / nu)
-    terms = (s**2 / (1 - np.tanh(q) / q), nu * k**2 * s, c**2 * k**2)
-    assert abs(sum(terms)) < 1e-9 * abs(terms[2])
-    assert s.imag > 0 > s.real
+@pytest.mark.parametrize("name", MODELS)
+@given(d=densities)
+def test_relaxation_rate_is_an_eigenvalue_of_the_collisions(name: str, d: float) -> None:
+    c = VELOCITIES[name].cartesian
+    stress = c[:, 0] ** 2 - c[:, 1] ** 2 if name == "hpp" else c[:, 0] * c[:, 1]
+    found = linearised_collision(name, np.full(len(c), d)) @ stress
+    np.testing.assert_allclose(found, -known.relaxation_rate(name, d) * stress, rtol=0, atol=1e-12)
 
 
-@given(c=st.floats(0.3, 1.0), k=st.floats(1e-3, 0.1), height=st.floats(10, 1000))
-def test_channel_sound_without_viscosity(c: float, k: float, height: float) -> None:
-    assert known.channel_sound(c, 1e-16, k, height) == pytest.approx(1j * c * k, rel=1e-5)
+@pytest.mark.parametrize("name", MODELS)
+def test_speed_of_sound_is_that_of_the_velocities(name: str) -> None:
+    assert known.SOUND_SPEED[name] == pytest.approx(math.sqrt((VELOCITIES[name].cartesian ** 2).mean()), rel=1e-15)
 
 
-@given(nu=st.floats(0.01, 1.0), k=st.floats(1e-4, 1e-2), layers=st.floats(100, 1e4))
-def test_channel_sound_between_distant_walls(nu: float, k: float, layers: float) -> None:
-    """omega = c k (1 - delta/2H), alpha = omega delta/2H + nu k^2/2, to the next order in delta/H and nu k/c."""
-    delta = math.sqrt(2 * nu / (C * k))
-    height = layers * delta
-    s = known.channel_sound(C, nu, k, height)
-    part = delta / (2 * height)
-    next_order = 3 * (part + nu * k / C) ** 2 * C * k
-    assert s.imag == pytest.approx(C * k * (1 - part), rel=0, abs=next_order)
-    assert -s.real == pytest.approx(C * k * part + nu * k**2 / 2, rel=0, abs=next_order)
+@pytest.mark.parametrize("name", MODELS)
+def test_long_sound_is_damped_by_the_longitudinal_viscosity(name: str) -> None:
+    k = 2 * math.pi / (4000 * VELOCITIES[name].row_height)
+    for density in (0.2, 0.5):
+        damping = theory.modes(MODELS[name], density, (0.0, k)).sound_damping
+        assert 2 * damping / k**2 == pytest.approx(known.longitudinal_viscosity(name, density), rel=1e-3)
+        found = modes(name, density, (0.0, k))
+        assert 2 * found.sound_damping / k**2 == pytest.approx(known.longitudinal_viscosity(name, density), rel=1e-3)
+        assert found.sound_frequency / k == pytest.approx(known.SOUND_SPEED[name], rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("density", "period", "damping"),
-    [(0.1, 899, 7.1), (0.2, 874, 4.3), (0.3, 864, 3.1), (0.4, 858, 2.6), (0.5, 857, 2.4), (0.6, 858, 2.6)],
-)
-def test_channel_sound_in_the_box_of_the_thesis(density: float, period: int, damping: float) -> None:
-    nu = known.shear_viscosity("fhp_saturated", density)
-    s = known.channel_sound(C, nu, math.pi / 294, 85.7)
-    assert round(2 * math.pi / s.imag) == period
-    assert round(-s.real * 1e4, 1) == damping
-
-
-# -- the thesis --------------------------------------------------------------------------------------------------------
-
-
-def test_modes_of_half_a_sine_sum_to_it() -> None:
-    number = 2000
-    x = np.linspace(0, 1, 201)
-    b = known.half_sine_modes(number)
-    cosines = np.cos(np.pi * np.arange(1, number + 1) * x[:, None])
-    # what is left out is less than the sum of 8/(pi n^2) over odd n
-    np.testing.assert_allclose(cosines @ b, np.sin(2 * np.pi * x), rtol=0, atol=4 / (math.pi * (number - 2)))
-
-
-def test_modes_of_half_a_sine_are_its_projections() -> None:
-    from scipy.integrate import quad
-
-    for n, b in enumerate(known.half_sine_modes(7), start=1):
-        projection = 2 * quad(lambda x, n=n: math.sin(2 * math.pi * x) * math.cos(n * math.pi * x), 0, 1)[0]
-        assert b == pytest.approx(projection, abs=1e-12)
-    np.testing.assert_allclose(known.half_sine_modes(3), [0.849, 0, -0.509], atol=5e-4)
-
-
-def test_viscosities_of_the_thesis_are_whole_slopes() -> None:
-    """nu = 2 L^2/pi^2 alpha with slopes in whole 1e-4: multiples of 1.7405, to the last digits of both."""
-    slopes = {d: [round(nu / 1.7405) for nu in pair] for d, pair in known.THESIS_VISCOSITY.items()}
-    assert slopes == {0.1: [81, 81], 0.2: [50, 51], 0.3: [36, 33], 0.4: [28, 28], 0.5: [22, 21], 0.6: [26, 25]}
-    for d, pair in known.THESIS_VISCOSITY.items():
-        for nu, slope in zip(pair, slopes[d], strict=True):
-            assert abs(nu - 1.7405 * slope) <= 0.005 + 5e-5 * slope + 1e-9
-    assert math.sqrt(1.7405e4 * math.pi**2 / 2) == pytest.approx(293, abs=0.5)
-
-
-def test_periods_and_speeds_of_the_thesis_are_consistent() -> None:
-    period, speed = known.THESIS_FHP
-    assert 2 * 295 / period == pytest.approx(speed, abs=1e-4)
-    assert period == pytest.approx(10240 / 13, rel=1e-3)
-    period, speed = known.THESIS_HPP
-    assert 305 / period == pytest.approx(speed, abs=1e-4)
+@pytest.mark.parametrize("name", FHP)
+def test_long_shear_waves_have_the_viscosity_and_drift_with_g(name: str) -> None:
+    k, u = 2 * math.pi / (4000 * VELOCITIES[name].row_height), 1e-3
+    for density in (0.2, 0.4):
+        found = modes(name, density, (0.0, k), (0.0, u))
+        assert found.shear_decay / k**2 == pytest.approx(known.shear_viscosity(name, density), rel=1e-3)
+        assert found.shear_frequency / (k * u) == pytest.approx(known.galilean_factor(name, density), rel=1e-3)

@@ -1,0 +1,129 @@
+"""Transport coefficients from the fluctuations of gases at rest (Green-Kubo), beside those of waves.
+
+The Boltzmann theory takes the particles that meet for independent. In two dimensions they are not: the stress
+correlations of the gas decay slowly (long-time tails), and viscosities exceed Boltzmann's by up to a factor of two at
+low density. The fluctuations of the stress at rest measure that without a wave; their first step is exact.
+
+Literature: L. P. Kadanoff, G. R. McNamara and G. Zanetti, Phys. Rev. A 40, 4527 (1989).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import Laboratory
+from crosscheck.checks.lattice.gases import LATTICE, filled, gas_scene, populations
+from crosscheck.checks.lattice.waves import BY_MEMBERS, MEMBERS
+from crosscheck.references import lattice_gas as known
+from crosscheck.references.lattice_models import VELOCITIES
+from crosscheck.scene import Floats, Output
+from crosscheck.statistics import independent_mean
+from crosscheck.verdict import Judgement, statistical
+from refimpl.lattice import models, theory
+
+#: Steps over which the stress is correlated.
+LAGS = 256
+
+
+class Fluctuations(NamedTuple):
+    """Of sum_i w_i n_i in gases at rest, C(t) over C(0), which is exact. density: the mean of these very gases.
+
+    first: C(0) and C(1), (gases, 2), about the mean of the ensemble, zero. correlation: C by lag, (gases, lags), about
+    the mean of each gas, for what one gas conserves never decays. ratio: C(0) over the variance of the momentum.
+    """
+
+    density: float
+    first: Floats
+    correlation: Floats
+    ratio: float
+
+    def diffusivity(self, frequency: float) -> Floats:
+        """The transport coefficient (sum_0^t C cos(omega t) - C(0)/2)/chi by the last lag, (gases, lags)."""
+        waves = np.cos(frequency * np.arange(LAGS))
+        return self.ratio * (np.cumsum(self.correlation * waves, axis=1) - 0.5)
+
+
+def fluctuations(laboratory: Laboratory, name: str, density: float, weights: list[Floats], size: int) -> Fluctuations:
+    """Runs gases at rest, size x size sites, and correlates the equivalent moments `weights`, each (b,)."""
+    velocities, steps, sites = VELOCITIES[name], 12_500, size * size
+    output = Output(interval=1, observables=("populations",))
+    c_y = velocities.cartesian[:, 1]
+    densities, first, sums = [], np.zeros((MEMBERS, 2)), np.zeros((MEMBERS, LAGS))
+    for member in range(MEMBERS):
+        start = filled(density, laboratory.seed(f"rest/{size}/{member}"))
+        scene = gas_scene("rest", name, size, size, steps, start, output)
+        counts = populations(laboratory.run(scene, LATTICE))[:, 0, 0]
+        d = float(counts[0].sum()) / (sites * velocities.channels)
+        densities.append(d)
+        for w in weights:
+            series = counts @ w
+            scale = sites * d * (1 - d) * float(w @ w) * len(weights)
+            first[member] += (series @ series / len(series) / scale, series[1:] @ series[:-1] / (steps * scale))
+            spectrum = np.abs(np.fft.rfft(series - series.mean(), 2 * len(series))) ** 2
+            sums[member] += np.fft.irfft(spectrum)[:LAGS] / (len(series) - np.arange(LAGS)) / scale
+    ratio = float(weights[0] @ weights[0]) / float(c_y @ c_y)
+    return Fluctuations(float(np.mean(densities)), first, sums, ratio)
+
+
+def first_step(name: str, found: Fluctuations, weights: Floats, label: str) -> Judgement:
+    """C(1)/C(0) = 1 - lambda, exactly: before the first collision the channels of a gas at rest are independent.
+
+    weights: the moment (b,), one that relaxes with the rate of the shear stress.
+    """
+    # C(1) - slope C(0): the scatter of C(0) itself drops out, whatever the slope, for its mean is known to be 1
+    slope = 1 - theory.relaxation_rate(models.MODELS[name], found.density, weights)
+    difference, u = independent_mean(found.first[:, 1] - slope * found.first[:, 0])
+    return statistical(
+        f"{label}: C(1)/C(0) of the stress",
+        slope + difference,
+        u,
+        1 - known.relaxation_rate(name, found.density),
+        0.0,
+        f"{BY_MEMBERS}; 1 - lambda is exact for independent channels",
+        samples=MEMBERS,
+    )
+
+
+def against_green_kubo(
+    label: str,
+    measured: list[float],
+    boltzmann: tuple[float, float],
+    found: Fluctuations,
+    rate: float,
+    frequency: float = 0.0,
+) -> tuple[Judgement, str]:
+    """A coefficient measured by a wave against that of the fluctuations, of its frequency; and a note of Boltzmann's.
+
+    measured: of each gas, links^2 per step. boltzmann: at this k and at k = 0. rate: of the wave's decay, per step; two
+    modes of its lattice decay at least at half of it, so the stress remembers no longer than 2/rate. Where noise
+    outweighs the tail, the sum ends earlier.
+    """
+    cumulated = found.diffusivity(frequency)
+
+    def to(lag: int) -> tuple[float, float, float]:
+        value, error = independent_mean(cumulated[:, lag])
+        return value, error, abs(value - float(cumulated[:, lag // 4].mean()))
+
+    longest = min(LAGS - 1, max(32.0, 2 / rate))
+    until = min([lag for lag in (32, 64, 128, LAGS - 1) if lag <= longest], key=lambda lag: math.hypot(*to(lag)[1:]))
+    green_kubo, error, tail = to(until)
+    value, u = independent_mean(measured)
+    # a wave as long as this is damped differently by so much; of sound, part of it is that of the frequency
+    finite = boltzmann[0] - boltzmann[1]
+    judgement = statistical(
+        label,
+        value,
+        u,
+        green_kubo + finite,
+        math.hypot(error, tail, finite),
+        f"{BY_MEMBERS}; Green-Kubo to lag {until}, uncertain by what its last two doublings add (where a wave cuts "
+        "the long-time tail off is known to a factor only) and by the correction for the wavelength",
+        samples=MEMBERS,
+    )
+    note = (
+        f"Boltzmann {boltzmann[1]:.4g} (at this k {boltzmann[0]:.4g}), Green-Kubo alone {green_kubo:.4g}({error:.2g})"
+    )
+    return judgement, note

@@ -1,0 +1,167 @@
+"""Waves in lattice gases: how they are prepared, projected and fitted; what the checks of transport share."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from crosscheck.checks.base import Laboratory
+from crosscheck.checks.lattice.gases import LATTICE, filled, gas_scene, populations
+from crosscheck.engines.protocol import Kind
+from crosscheck.figure import Figure, Series
+from crosscheck.references.lattice_models import VELOCITIES
+from crosscheck.scene import Floats, Method, Output, Wave
+from crosscheck.statistics import independent_mean
+from refimpl.lattice import models, theory
+
+DENSITIES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
+#: Gases of one state, prepared and moved with different random numbers.
+MEMBERS = 16
+BY_MEMBERS = f"standard error of {MEMBERS} gases"
+
+
+class Signals(NamedTuple):
+    """Amplitudes of the first mode along y, (members, samples): 2/N sum q exp(-i k y). times (samples,)."""
+
+    times: Floats
+    values: Any
+
+
+def wavenumber(model: str, rows: int) -> float:
+    """k of one wavelength on so many rows, 1/links."""
+    return 2 * math.pi / (rows * VELOCITIES[model].row_height)
+
+
+def measure_mode(
+    laboratory: Laboratory,
+    name: str,
+    density: float,
+    waves: tuple[Wave, ...],
+    quantity: Floats,
+    *,
+    rows: int,
+    columns: int,
+    steps: int,
+    every: int,
+    flow: float = 0.0,
+    members: int = MEMBERS,
+    method: Method | Kind = LATTICE,
+) -> Signals:
+    """Lets waves along y evolve, and projects sum_i quantity_i n_i of the rows on the first mode.
+
+    density: d. quantity: (b,), one value a channel. rows, columns: of the lattice. steps: of the run, cut down to a
+    multiple of `every`, the interval of samples. flow: velocity along y, links per step. members: number of gases.
+    """
+    k = wavenumber(name, rows)
+    phases = np.exp(-1j * k * np.arange(rows) * VELOCITIES[name].row_height)
+    steps -= steps % every
+    found = []
+    for member in range(members):
+        start = filled(density, laboratory.seed(f"{rows}/{member}"), waves=waves, velocity_y=flow)
+        output = Output(interval=every, observables=("populations",), fields=(1, rows))
+        scene = gas_scene("wave", name, rows, columns, steps, start, output)
+        counts = populations(laboratory.run(scene, method))[:, 0]
+        found.append(counts @ quantity @ phases * 2 / (rows * columns))
+    return Signals(np.arange(0, steps + 1, every), np.array(found))
+
+
+def mass(model: str) -> Floats:
+    """1 for each channel, (b,)."""
+    return np.ones(VELOCITIES[model].channels)
+
+
+def transverse_momentum(model: str) -> Floats:
+    """c_ix, (b,), of each channel: momentum across a wave vector along y, links per step."""
+    return VELOCITIES[model].cartesian[:, 0]
+
+
+def decay_rate(times: Floats, signal: Any, guess: float) -> float:
+    """alpha of a exp(-alpha t), by least squares; the first sample, still relaxing, is left out. NaN if none fits.
+
+    times, signal: (samples,), of which the real part counts. guess: of alpha, where the search begins.
+    """
+    t, s = times[1:], signal.real[1:]
+    return float(_fitted(lambda t, a, alpha: a * np.exp(-alpha * t), t, s, (s[0], guess))[1])
+
+
+def _fitted(curve: Callable[..., Floats], times: Floats, signal: Floats, start: tuple[float, ...]) -> Floats:
+    """Parameters of the curve nearest to the signal; NaN where the search finds none."""
+    from scipy.optimize import OptimizeWarning, curve_fit
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", OptimizeWarning)  # of the covariance, which is not used
+        try:
+            found, _ = curve_fit(curve, times, signal, p0=start)
+        except RuntimeError:
+            return np.full(len(start), np.nan)
+    return np.asarray(found)
+
+
+def standing_wave(times: Floats, signal: Any, damping: float, frequency: float) -> tuple[float, float]:
+    """alpha and omega of a exp(-alpha t) cos(omega t + phi), by least squares. NaN if none fits.
+
+    times, signal: (samples,), of which the real part counts. damping, frequency: where the search begins.
+    """
+
+    def wave(t: Floats, a: float, alpha: float, omega: float, phi: float) -> Floats:
+        return a * np.exp(-alpha * t) * np.cos(omega * t + phi)
+
+    s = signal.real
+    _, alpha, omega, _ = _fitted(wave, times, s, (s[0], damping, frequency, 0.0)).tolist()
+    return alpha, omega
+
+
+def first_guess(model: str, density: float, wavevector: ArrayLike, flow: float = 0.0) -> theory.Modes:
+    """Rates per step that the Boltzmann equation gives a wave, to plan its run and to begin its fit.
+
+    density: d. wavevector: (2,), 1/links. flow: velocity along y, links per step. What a wave is judged by is
+    `crosscheck.references.lattice_models.modes`.
+    """
+    return theory.modes(models.MODELS[model], density, wavevector, (0.0, flow))
+
+
+def shear_wave_viscosities(laboratory: Laboratory, name: str, density: float, rows: int) -> list[float]:
+    """nu (links^2 per step) of each gas from the decay of its shear wave, one wavelength on these rows, u0 = 0.1."""
+    k = wavenumber(name, rows)
+    rate = first_guess(name, density, (0.0, k)).shear_decay
+    steps = int(min(1.5 / rate, 6000))
+    signals = measure_mode(
+        laboratory,
+        name,
+        density,
+        (Wave(of="velocity_x", amplitude=0.1, mode=(0.0, 1.0)),),
+        transverse_momentum(name),
+        rows=rows,
+        columns=131072 // rows,
+        steps=steps,
+        every=max(1, steps // 60),
+    )
+    return [decay_rate(signals.times, s, rate) / k**2 for s in signals.values]
+
+
+def density_figure(
+    title: str,
+    label: str,
+    name: str,
+    density: float,
+    measured: list[float],
+    theory: Callable[[float], float],
+) -> Figure:
+    """The point of this verdict, the mean of what was measured, and the curve of the theory."""
+    value, u = independent_mean(measured)
+    axis = np.linspace(0.08, 0.62, 55)
+    return Figure(
+        title,
+        "d",
+        label,
+        y_scale="log",
+        series=(
+            Series(name, [density], [value], error=[u]),
+            Series(f"{name}: Boltzmann", axis.tolist(), [theory(d) for d in axis.tolist()], theory=True),
+        ),
+    )
