@@ -28,18 +28,9 @@ from refimpl.events.model import (
     VELOCITY,
 )
 from refimpl.events.prediction import bonded, contact_distance, radius_of
+from refimpl.random_bits import GAMMA, mix64
 
-_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
-_MIX1 = np.uint64(0xBF58476D1CE4E5B9)
-_MIX2 = np.uint64(0x94D049BB133111EB)
-_S11, _S27, _S30, _S31 = np.uint64(11), np.uint64(27), np.uint64(30), np.uint64(31)
-
-
-@kernel
-def _mixed(z: Any) -> Any:
-    z = (z ^ (z >> _S30)) * _MIX1
-    z = (z ^ (z >> _S27)) * _MIX2
-    return z ^ (z >> _S31)
+_S11 = np.uint64(11)
 
 
 @kernel
@@ -48,9 +39,9 @@ def random_uniform(seed: Any, particle: int, count: int, draw: int) -> float:
 
     SplitMix64's mixing (Steele, Lea and Flood, OOPSLA 2014) of the seed, the particle, its collision count, the draw.
     """
-    z = _mixed(np.uint64(seed) + np.uint64(particle + 1) * _GOLDEN)
-    z = _mixed(z + np.uint64(count + 1) * _GOLDEN)
-    z = _mixed(z + np.uint64(draw + 1) * _GOLDEN)
+    z = mix64(np.uint64(seed) + np.uint64(particle + 1) * GAMMA)
+    z = mix64(z + np.uint64(count + 1) * GAMMA)
+    z = mix64(z + np.uint64(draw + 1) * GAMMA)
     return (float(np.int64(z >> _S11)) + 0.5) * 2.0**-53
 
 
