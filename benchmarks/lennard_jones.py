@@ -98,7 +98,7 @@ def compare(number: int) -> None:
     from refimpl.stepping.forces.generic import kinetic_energy, potential_energy
     from refimpl.stepping.forces.lennard_jones import FORCE_EVALUATIONS, LIST_BUILDS, lennard_jones
     from refimpl.stepping.integrate import integrate
-    from refimpl.stepping.neighbours import PRUNES
+    from refimpl.stepping.kernels.neighbours import PRUNES
 
     force = lennard_jones(number=number, dimension=3, lengths=[side] * 3, periodic=[True] * 3, cutoff=CUTOFF)
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from refimpl.events.compiled import kernel, leaf
+from refimpl.events.kernels.compiled import inline, kernel
 from refimpl.events.model import Floats, Model
 from refimpl.events.prediction import (
     NEAR,
@@ -147,7 +147,7 @@ def next_event(model: Any, rows: Any, bonds: Any, now: float) -> tuple[float, in
     return best, one, other
 
 
-@leaf
+@inline
 def _meets(well: Any, b: float, c: float, w: float) -> bool:
     if well is None:
         return b < 0.0 and b * b - w * c > 0.0

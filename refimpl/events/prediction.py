@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from refimpl.events.compiled import kernel, leaf
+from refimpl.events.kernels.compiled import inline, kernel
 from refimpl.events.model import AMPLITUDE, FREQUENCY, OSCILLATING, PHASE
 
 #: Later than anything: large, and still finite, so that sums and comparisons need no special case.
@@ -23,13 +23,13 @@ AT_REST = (2.0**-49) ** 2
 TOUCH = 2.0**-50
 
 
-@leaf
+@inline
 def approach(b: float, c: float, discriminant: float) -> float:
     """First root for b < 0: c/(sqrt(disc) - b), without cancellation; 0 where rounding has let the pair overlap."""
     return max(c / (math.sqrt(discriminant) - b), 0.0)
 
 
-@leaf
+@inline
 def separation(b: float, c: float, w: float, discriminant: float) -> float:
     """The root at which a pair inside a distance (c <= 0) leaves it."""
     root = math.sqrt(max(discriminant, 0.0))
@@ -38,7 +38,7 @@ def separation(b: float, c: float, w: float, discriminant: float) -> float:
     return (root - b) / w
 
 
-@leaf
+@inline
 def falling_time(height: float, v: float, a: float) -> float:
     """First s >= 0 with height + v s + a s^2/2 <= 0 on its way down; a start below 0 is a rounding of 0."""
     if a == 0.0:
@@ -170,7 +170,7 @@ def leaving_time(r2: float, ru: float, u2: float, ra: float, ua: float, a2: floa
     return NEVER
 
 
-@leaf
+@inline
 def drift(x: float, v: float, acceleration: Any, axis: int, s: float) -> float:
     """x + v s + g s^2/2."""
     if acceleration is None:
@@ -178,7 +178,7 @@ def drift(x: float, v: float, acceleration: Any, axis: int, s: float) -> float:
     return x + s * (v + 0.5 * acceleration[axis] * s)
 
 
-@leaf
+@inline
 def speed_after(v: float, acceleration: Any, axis: int, s: float) -> float:
     """v + g s."""
     if acceleration is None:
@@ -186,7 +186,7 @@ def speed_after(v: float, acceleration: Any, axis: int, s: float) -> float:
     return v + acceleration[axis] * s
 
 
-@leaf
+@inline
 def pull(acceleration: Any, axis: int) -> float:
     """g along one axis, 0 without a field."""
     if acceleration is None:
@@ -194,7 +194,7 @@ def pull(acceleration: Any, axis: int) -> float:
     return acceleration[axis]
 
 
-@leaf
+@inline
 def contact_distance(diameter: float, radii: Any, i: int, j: int) -> float:
     """R_i + R_j."""
     if radii is None:
@@ -202,7 +202,7 @@ def contact_distance(diameter: float, radii: Any, i: int, j: int) -> float:
     return radii[i] + radii[j]
 
 
-@leaf
+@inline
 def radius_of(diameter: float, radii: Any, i: int) -> float:
     """R_i."""
     if radii is None:
@@ -210,7 +210,7 @@ def radius_of(diameter: float, radii: Any, i: int) -> float:
     return radii[i]
 
 
-@leaf
+@inline
 def bonded(bonds: Any, i: int, j: int) -> bool:
     """Whether the pair is inside its well; a row of bonds is their number, then the partners."""
     for slot in range(1, bonds[i, 0] + 1):
@@ -219,7 +219,7 @@ def bonded(bonds: Any, i: int, j: int) -> bool:
     return False
 
 
-@leaf
+@inline
 def pair_time(well: Any, bonds: Any, i: int, j: int, b: float, c: float, w: float, s2: float) -> float:
     """Span to the next event of a pair, core or well; NEVER if there is none."""
     if well is None:
@@ -237,7 +237,7 @@ def pair_time(well: Any, bonds: Any, i: int, j: int, b: float, c: float, w: floa
     return separation(b, min(outer, 0.0), w, disc_outer) if w > 0.0 else NEVER
 
 
-@leaf
+@inline
 def rests(rows: Any, i: int, j: int, b: float, s2: float) -> bool:
     """A pair in contact whose approach is below the rounding of its velocities."""
     scale = 0.0
@@ -246,7 +246,7 @@ def rests(rows: Any, i: int, j: int, b: float, s2: float) -> bool:
     return b * b <= AT_REST * s2 * scale
 
 
-@leaf
+@inline
 def wall_time(
     model: Any, walls: Any, face: int, x: float, v: float, radius: float, now: float, horizon: float
 ) -> float:
@@ -269,7 +269,7 @@ def wall_time(
     return falling_time(height, v, a)
 
 
-@leaf
+@inline
 def resting_flight(walls: Any, model: Any, face: int) -> float:
     """What flies for a shorter span between two hits of an oscillating wall rests on it; 0 for other walls.
 
@@ -285,7 +285,7 @@ def resting_flight(walls: Any, model: Any, face: int) -> float:
     return 4.0 * math.sqrt(TOUCH * (model.lengths[face >> 1] + amplitude) / steepest)
 
 
-@leaf
+@inline
 def drum_time(model: Any, drum: Any, rows: Any, i: int, s: float, radius: float) -> float:
     """Span until the particle, whose state is s old, reaches the circular wall; NEVER without one."""
     if drum is None:
@@ -302,7 +302,7 @@ def drum_time(model: Any, drum: Any, rows: Any, i: int, s: float, radius: float)
     )
 
 
-@leaf
+@inline
 def nearest(model: Any, rows: Any, i: int, j: int) -> tuple[float, float, float]:
     """r_j - r_i, both brought to the present, of the nearest image."""
     x, y, z = rows[j, 0] - rows[i, 0], rows[j, 1] - rows[i, 1], rows[j, 2] - rows[i, 2]
@@ -313,7 +313,7 @@ def nearest(model: Any, rows: Any, i: int, j: int) -> tuple[float, float, float]
     return x, y, z
 
 
-@leaf
+@inline
 def wrapped(x: float, length: float, wraps: bool) -> float:
     """Component of the nearest image."""
     if wraps:

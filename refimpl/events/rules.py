@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from refimpl.events.compiled import kernel, leaf
+from refimpl.events.kernels.compiled import inline, kernel
 from refimpl.events.model import (
     AMPLITUDE,
     FLUX_PHASE,
@@ -45,7 +45,7 @@ def random_uniform(seed: Any, particle: int, count: int, draw: int) -> float:
     return (float(np.int64(z >> _S11)) + 0.5) * 2.0**-53
 
 
-@leaf
+@inline
 def inverse_mass(mass: float, inverse_masses: Any, i: int) -> float:
     """1/m_i."""
     if inverse_masses is None:
@@ -53,7 +53,7 @@ def inverse_mass(mass: float, inverse_masses: Any, i: int) -> float:
     return inverse_masses[i]
 
 
-@leaf
+@inline
 def reduced_mass(mass: float, inverse_masses: Any, i: int, j: int) -> float:
     """m_i m_j/(m_i + m_j)."""
     if inverse_masses is None:
@@ -61,7 +61,7 @@ def reduced_mass(mass: float, inverse_masses: Any, i: int, j: int) -> float:
     return 1.0 / (inverse_masses[i] + inverse_masses[j])
 
 
-@leaf
+@inline
 def is_fixed(inverse_masses: Any, i: int) -> bool:
     """Whether the particle is a scatterer of infinite mass."""
     if inverse_masses is None:
@@ -69,7 +69,7 @@ def is_fixed(inverse_masses: Any, i: int) -> bool:
     return inverse_masses[i] == 0.0
 
 
-@leaf
+@inline
 def kick(model: Any, rows: Any, i: int, j: int, px: float, py: float, pz: float) -> None:
     """j gets the momentum p, i loses it."""
     one = inverse_mass(model.mass, model.inverse_masses, i)
@@ -82,7 +82,7 @@ def kick(model: Any, rows: Any, i: int, j: int, px: float, py: float, pz: float)
     rows[j, 5] += other * pz
 
 
-@leaf
+@inline
 def normal_restitution(restitution: Any, recent: bool) -> float:
     """alpha; 1 for elastic grains, and in the TC model for grains that have collided just before."""
     if restitution is None:
@@ -90,7 +90,7 @@ def normal_restitution(restitution: Any, recent: bool) -> float:
     return 1.0 if recent else restitution
 
 
-@leaf
+@inline
 def in_contact_still(contact_duration: Any, age: float) -> bool:
     """TC model (Luding and McNamara 1998): the last collision is less than t_c ago."""
     if contact_duration is None:
@@ -98,7 +98,7 @@ def in_contact_still(contact_duration: Any, age: float) -> bool:
     return age < contact_duration
 
 
-@leaf
+@inline
 def tangential_impulse(
     normal: float, mass: float, slip: float, alpha_t: float, static: float, sliding: float, inertia: float
 ) -> float:
@@ -113,7 +113,7 @@ def tangential_impulse(
     return -stick
 
 
-@leaf
+@inline
 def pair_impulse(
     rough: Any, spins: Any, model: Any, rows: Any, i: int, j: int, nx: float, ny: float, nz: float, gn: float,
     alpha: float, recent: bool,
@@ -146,7 +146,7 @@ def pair_impulse(
     return px, py, pz
 
 
-@leaf
+@inline
 def _turn(
     spins: Any, i: int, inertia: float, inverse: float, radius: float, nx: float, ny: float, nz: float,
     px: float, py: float, pz: float,
@@ -239,21 +239,21 @@ def _minus_unit(axis: int, inwards: float) -> tuple[float, float, float]:
     return (-inwards if axis == 0 else 0.0, -inwards if axis == 1 else 0.0, -inwards if axis == 2 else 0.0)
 
 
-@leaf
+@inline
 def _thermal(seed: Any, temperature: float, inverse: float, i: int, count: int) -> tuple[float, float, float]:
     if seed is None:
         return 0.0, 0.0, 0.0
     return thermal_velocity(temperature, inverse, seed, i, count)
 
 
-@leaf
+@inline
 def _own_velocity(seed: Any, numbers: Any, motion: int, now: float, v: float, i: int, count: int) -> float:
     if seed is None:
         return wall_velocity(numbers, motion, now, v, 0, i, count)
     return wall_velocity(numbers, motion, now, v, seed, i, count)
 
 
-@leaf
+@inline
 def _wall_friction(
     model: Any, rough: Any, rows: Any, spins: Any, i: int, nx: float, ny: float, nz: float, ux: float, uy: float,
     uz: float, normal: float, alpha_t: float, static: float, sliding: float, recent: bool,
@@ -312,14 +312,14 @@ def hit_drum(model: Any, drum: Any, rough: Any, rows: Any, spins: Any, i: int, r
     rows[i, 3 + second] -= (1.0 + alpha) * gn * ry
 
 
-@leaf
+@inline
 def _bind(bonds: Any, i: int, j: int) -> None:
     """j is inside i's well from now on."""
     bonds[i, 0] += 1
     bonds[i, bonds[i, 0]] = j
 
 
-@leaf
+@inline
 def _unbind(bonds: Any, i: int, j: int) -> None:
     """j has left i's well."""
     for slot in range(1, bonds[i, 0] + 1):
@@ -329,7 +329,7 @@ def _unbind(bonds: Any, i: int, j: int) -> None:
             return
 
 
-@leaf
+@inline
 def at_edge(well: Any, model: Any, i: int, j: int, distance2: float) -> bool:
     """Whether a pair that has an event at this distance, squared, is at the edge of its well, not at its core."""
     if well is None:
@@ -338,7 +338,7 @@ def at_edge(well: Any, model: Any, i: int, j: int, distance2: float) -> bool:
     return distance2 >= middle * middle
 
 
-@leaf
+@inline
 def pass_edge(
     well: Any, model: Any, rows: Any, bonds: Any, i: int, j: int, x: float, y: float, z: float, gn: float
 ) -> tuple[float, float]:
@@ -359,7 +359,7 @@ def pass_edge(
     return impulse, well.depth * (np.float64(held) - np.float64(inside))
 
 
-@leaf
+@inline
 def at_plane(
     model: Any, walls: Any, rows: Any, spins: Any, i: int, count: int, face: int, now: float, recent: bool
 ) -> None:
@@ -368,14 +368,14 @@ def at_plane(
         hit_plane(model, walls, model.rough, model.seed, rows, spins, i, count, face, now, recent)
 
 
-@leaf
+@inline
 def at_drum(model: Any, drum: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
     """`hit_drum`, where there is one."""
     if drum is not None:
         hit_drum(model, drum, model.rough, rows, spins, i, recent)
 
 
-@leaf
+@inline
 def _component(a: float, b: float, first: int, second: int, axis: int) -> float:
     """Component `axis` of the vector with a along `first` and b along `second`."""
     return a if axis == first else (b if axis == second else 0.0)

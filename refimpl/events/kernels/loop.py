@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refimpl.events.compiled import inner, kernel
+from refimpl.events.kernels.compiled import inline_internal, kernel
 from refimpl.events.kernels.measure import (
     note_crossing,
     note_drum,
@@ -139,7 +139,7 @@ class Scratch(NamedTuple):
 # -- relative motion -------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _relative_position(gap: float, vi: float, vj: float, s: float, acceleration: Any, k: int) -> float:
     """r_j - r_i when the later of the two states was taken; s = tau_i - tau_j: the earlier one flies on for |s|."""
     if acceleration is None:
@@ -147,20 +147,20 @@ def _relative_position(gap: float, vi: float, vj: float, s: float, acceleration:
     return gap + (vj * max(s, 0.0) + vi * min(s, 0.0)) + 0.5 * acceleration[k] * (s * abs(s))
 
 
-@inner
+@inline_internal
 def _relative_speed(vi: float, vj: float, s: float, acceleration: Any, k: int) -> float:
     if acceleration is None:
         return vj - vi
     return (vj - vi) + acceleration[k] * s
 
 
-@inner
+@inline_internal
 def _quantised(x: float, quantum: float) -> float:
     big = 6755399441055744.0 * quantum  # 1.5 2^52
     return (x + big) - big
 
 
-@inner
+@inline_internal
 def _bring(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
     """Moves a particle's state to the present."""
     s = now - rows[i, TIME]
@@ -173,14 +173,14 @@ def _bring(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
 # -- square wells ----------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _reach(well: Any) -> float:
     if well is None:
         return 1.0
     return well.range
 
 
-@inner
+@inline_internal
 def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
     """Whether a pair may have an event before `within`; without branches."""
     if well is None:
@@ -191,13 +191,13 @@ def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edg
 # -- prediction ------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _prefetch_radius(radii: Any, i: int) -> None:
     if radii is not None:
         prefetch(radii, i * 8)
 
 
-@inner
+@inline_internal
 def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
     """Finds the events of particle i with those in the cells about it, and gives them to the store.
 
@@ -311,7 +311,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
                     add(store, rows, particles.ints, counts, i, numbers[q, 3] + span, j)
 
 
-@inner
+@inline_internal
 def _first_wall(
     walls: Any, model: Any, grid: Any, rows: Any, ints: Any, i: int, s: float, now: float, best: float, kind: int
 ) -> tuple[float, int]:
@@ -336,7 +336,7 @@ def _first_wall(
     return best, kind
 
 
-@inner
+@inline_internal
 def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None:
     """The next wall, or edge of its cell, that the particle meets."""
     rows, ints = particles.rows, particles.ints
@@ -366,12 +366,12 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
 # -- cells -----------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _cell_of(grid: Any, ints: Any, i: int) -> int:
     return (ints[i, CELL + 2] * grid.counts[1] + ints[i, CELL + 1]) * grid.counts[0] + ints[i, CELL]
 
 
-@inner
+@inline_internal
 def _leave(grid: Any, particles: Any, i: int) -> None:
     cells = particles.cells
     cell = _cell_of(grid, particles.ints, i)
@@ -382,7 +382,7 @@ def _leave(grid: Any, particles: Any, i: int) -> None:
     cells[cell, 0] = last - 1
 
 
-@inner
+@inline_internal
 def _enter(grid: Any, particles: Any, i: int) -> None:
     cells = particles.cells
     cell = _cell_of(grid, particles.ints, i)
@@ -393,20 +393,20 @@ def _enter(grid: Any, particles: Any, i: int) -> None:
 # -- the loop --------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _no_bond_left(bonds: Any, i: int, j: int) -> bool:
     if bonds is None:
         return False
     return bonds[i, 0] + 1 >= bonds.shape[1] or bonds[j, 0] + 1 >= bonds.shape[1]
 
 
-@inner
+@inline_internal
 def _age(rows: Any, ints: Any, i: int, now: float) -> float:
     """Time since the particle's last collision; NEVER before the first."""
     return now - rows[i, TIME] if ints[i, COUNT] > 0 else NEVER
 
 
-@inner
+@inline_internal
 def _passed(
     well: Any, model: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, x: float, y: float, z: float,
     distance: float, gn: float, now: float,
@@ -423,7 +423,7 @@ def _passed(
     return True
 
 
-@inner
+@inline_internal
 def _collide(
     model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, now: float, instant: float
 ) -> int:
@@ -467,7 +467,7 @@ def _collide(
     return status
 
 
-@inner
+@inline_internal
 def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
     """The particle passes a face of its cell, into the next one; False: that is full."""
     rows, ints, images = particles.rows, particles.ints, particles.images
@@ -491,7 +491,7 @@ def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: floa
     return True
 
 
-@inner
+@inline_internal
 def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float) -> bool:
     """The particle hits a wall; True is a collapse."""
     rows, ints, spins = particles.rows, particles.ints, particles.spins
@@ -513,7 +513,7 @@ def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: in
     return ints[i, STREAK] > COLLAPSE
 
 
-@inner
+@inline_internal
 def _note(trace: Any, now: float, i: int, j: int) -> None:
     if trace is not None:
         place = trace.filled[0]
@@ -521,7 +521,7 @@ def _note(trace: Any, now: float, i: int, j: int) -> None:
         trace.filled[0] = place + 1
 
 
-@inner
+@inline_internal
 def _full(trace: Any) -> bool:
     if trace is None:
         return False

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from refimpl.events.compiled import inner, kernel
+from refimpl.events.kernels.compiled import inline_internal, kernel
 from refimpl.events.prediction import contact_distance, pull, radius_of
 
 #: Entries of `Tallies.sums`.
@@ -58,7 +58,7 @@ class Fields(NamedTuple):
     ints: Any
 
 
-@inner
+@inline_internal
 def _mass(mass: float, inverse_masses: Any, i: int) -> float:
     """m_i; 0 for a fixed particle, which has no energy to give."""
     if inverse_masses is None:
@@ -66,7 +66,7 @@ def _mass(mass: float, inverse_masses: Any, i: int) -> float:
     return 1.0 / inverse_masses[i] if inverse_masses[i] > 0.0 else 0.0
 
 
-@inner
+@inline_internal
 def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
     """I w^2/2."""
     if rough is None or spins is None:
@@ -76,14 +76,14 @@ def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
     return 0.5 * inertia * (spins[i, 0] ** 2 + spins[i, 1] ** 2 + spins[i, 2] ** 2)
 
 
-@inner
+@inline_internal
 def _moving(model: Any, rows: Any, i: int) -> float:
     """m v^2/2, of the state as it stands in the row."""
     mass = _mass(model.mass, model.inverse_masses, i)
     return 0.5 * mass * (rows[i, 3] ** 2 + rows[i, 4] ** 2 + rows[i, 5] ** 2)
 
 
-@inner
+@inline_internal
 def _accumulate(sums: Any, now: float) -> None:
     s = now - sums[SINCE]
     sums[ENERGY_TIME] += sums[ENERGY] * s
@@ -103,7 +103,7 @@ def accumulate(tallies: Any, now: float) -> None:
 # -- pairs -----------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, now: float) -> None:
     """Before the velocities of a pair change; both states are at the present."""
     if tallies is not None:
@@ -114,7 +114,7 @@ def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
     _stay_one(fields, model, rows, spins, j, now)
 
 
-@inner
+@inline_internal
 def note_pair_after(
     tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
     distance: float, px: float, py: float, pz: float,
@@ -132,7 +132,7 @@ def note_pair_after(
         _pair_fields(fields, model, rows, i, j, x, y, z, distance, px, py, pz, lost_i, lost_j, lost_i + lost_j, 1)
 
 
-@inner
+@inline_internal
 def note_well(
     tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
     distance: float, impulse: float, bound: float,
@@ -155,7 +155,7 @@ def note_well(
 # -- walls -----------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     """Before a wall changes a particle's velocity; its state is at the present."""
     if tallies is not None:
@@ -168,7 +168,7 @@ def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
     _stay_one(fields, model, rows, spins, i, now)
 
 
-@inner
+@inline_internal
 def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, face: int) -> None:
     """After a wall has changed a particle's velocity."""
     if tallies is not None:
@@ -188,7 +188,7 @@ def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any
         _wall_fields(fields, i, px, py, pz, gained)
 
 
-@inner
+@inline_internal
 def _along(acceleration: Any, px: float, py: float, pz: float) -> float:
     """g.p"""
     if acceleration is None:
@@ -197,14 +197,14 @@ def _along(acceleration: Any, px: float, py: float, pz: float) -> float:
     return total + acceleration[len(acceleration) - 1] * pz if len(acceleration) == 3 else total
 
 
-@inner
+@inline_internal
 def note_drum(tallies: Any, model: Any, rows: Any, i: int, face: int) -> None:
     """Angular momentum about the axis that the drum gave to a particle, spin included: R x p is at the surface."""
     if tallies is not None:
         _torque(tallies, model.drum, model, rows, i, face)
 
 
-@inner
+@inline_internal
 def _torque(tallies: Any, drum: Any, model: Any, rows: Any, i: int, face: int) -> None:
     if drum is not None:
         if face == 2 * len(model.lengths):
@@ -221,19 +221,19 @@ def _torque(tallies: Any, drum: Any, model: Any, rows: Any, i: int, face: int) -
 # -- fields ----------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _block(fields: Any, i: int, axis: int) -> int:
     return fields.ints[i, 3 + axis] // fields.blocks[axis]
 
 
-@inner
+@inline_internal
 def _place(fields: Any, i: int) -> int:
     """Index of the field cell that a particle counts for."""
     shape = fields.shape
     return (_block(fields, i, 2) * shape[1] + _block(fields, i, 1)) * shape[0] + _block(fields, i, 0)
 
 
-@inner
+@inline_internal
 def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     """Adds what the particle was since it was last added; its row may be older than that."""
     mass = _mass(model.mass, model.inverse_masses, i)
@@ -251,13 +251,13 @@ def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) ->
     fields.since[i] = now
 
 
-@inner
+@inline_internal
 def _stay_one(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     if fields is not None:
         _stay(fields, model, rows, spins, i, now)
 
 
-@inner
+@inline_internal
 def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i: int, face: int, now: float) -> None:
     """Before a particle passes a face of its cell: if it is a field's too, mass, momentum and energy go through it."""
     if fields is not None:
@@ -280,7 +280,7 @@ def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i:
             fields.flux_energy[axis, place] += sign * energy
 
 
-@inner
+@inline_internal
 def _bound(well: Any, bonds: Any, i: int) -> float:
     """A particle's half of the energy of its wells."""
     if well is None:
@@ -288,7 +288,7 @@ def _bound(well: Any, bonds: Any, i: int) -> float:
     return -0.5 * well.depth * bonds[i, 0]
 
 
-@inner
+@inline_internal
 def _face(fields: Any, place: int, axis: int, up: int) -> int:
     """The cell whose lower face is the upper (lower) face of the cell `place`."""
     if not up:
@@ -299,7 +299,7 @@ def _face(fields: Any, place: int, axis: int, up: int) -> int:
     return place + stride if here + 1 < shape[axis] else place - here * stride
 
 
-@inner
+@inline_internal
 def _next(fields: Any, place: int, axis: int, up: int) -> int:
     """The next cell up (down) along an axis."""
     if up:
@@ -310,7 +310,7 @@ def _next(fields: Any, place: int, axis: int, up: int) -> int:
     return place - stride if here > 0 else place + (shape[axis] - 1) * stride
 
 
-@inner
+@inline_internal
 def _pair_fields(
     fields: Any, model: Any, rows: Any, i: int, j: int, x: float, y: float, z: float, distance: float, px: float,
     py: float, pz: float, lost_i: float, lost_j: float, lost: float, collision: int,
@@ -356,12 +356,12 @@ def _pair_fields(
             place = _next(fields, place, axis, up)
 
 
-@inner
+@inline_internal
 def _toward(x: float, y: float, z: float, axis: int) -> float:
     return x if axis == 0 else (y if axis == 1 else z)
 
 
-@inner
+@inline_internal
 def _wall_fields(fields: Any, i: int, px: float, py: float, pz: float, gained: float) -> None:
     if fields is not None:
         place = _place(fields, i)

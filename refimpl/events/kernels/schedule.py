@@ -17,7 +17,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from refimpl.events.compiled import INNER, inner, kernel
+from refimpl.events.kernels.compiled import INTERNAL, inline_internal, kernel
 from refimpl.events.kernels.memory import prefetch
 from refimpl.events.prediction import NEVER
 
@@ -77,7 +77,7 @@ def _is(kind: Any, record: type) -> bool:
     return isinstance(kind, types.BaseNamedTuple) and kind.instance_class is record
 
 
-@inner
+@inline_internal
 def tick(counts: Any, what: int, number: int) -> None:
     """Counts operations; nothing at all where they are not counted."""
     if counts is not None:
@@ -87,7 +87,7 @@ def tick(counts: Any, what: int, number: int) -> None:
 # -- the tree --------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     keys, nodes = queue.keys, queue.nodes
     place = nodes.size // 2 + i
@@ -109,7 +109,7 @@ def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     tick(counts, COMPARISONS, steps)
 
 
-@inner
+@inline_internal
 def _tree_warm(queue: Any, i: int) -> None:
     # which way an update takes is known long before it does, and the upper levels are in the cache
     place = queue.nodes.size // 2 + i
@@ -137,14 +137,14 @@ def build_tree(queue: Any, times: Any) -> None:
 # -- the calendar ----------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _day_of(queue: Any, key: float) -> int:
     day = key * queue.per_time[0]
     # events that never come, or very late, wait on the last day that an integer can name
     return np.int64(day) if day < 4e18 else np.int64(4_000_000_000_000_000_000)
 
 
-@inner
+@inline_internal
 def _put(queue: Any, i: int, key: float) -> None:
     day = max(_day_of(queue, key), queue.today[0])
     slot = day & (queue.heads.size - 1)
@@ -156,7 +156,7 @@ def _put(queue: Any, i: int, key: float) -> None:
     queue.heads[slot] = i
 
 
-@inner
+@inline_internal
 def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
     before, after = queue.before[i], queue.after[i]
     if before >= 0:
@@ -168,7 +168,7 @@ def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
     _put(queue, i, key)
 
 
-@inner
+@inline_internal
 def _calendar_first(queue: Any, counts: Any) -> int:
     mask, today = queue.heads.size - 1, queue.today[0]
     empty = 0
@@ -203,7 +203,7 @@ def build_calendar(queue: Any, times: Any, now: float) -> None:
         _put(queue, i, times[i])
 
 
-@inner
+@inline_internal
 def _calendar_warm(queue: Any, i: int) -> None:
     if queue.keys.size > NEAR_NODES:
         prefetch(queue.day, i * 8)
@@ -225,7 +225,7 @@ def first(queue: Any, counts: Any) -> int:
     raise TypeError(f"not a queue: {type(queue).__name__}")
 
 
-@overload(update, strict=False, jit_options=INNER)
+@overload(update, strict=False, jit_options=INTERNAL)
 def _update(queue: Any, counts: Any, i: int, key: float) -> Any:
     if _is(queue, Tree):
         return lambda queue, counts, i, key: _tree_update(queue, counts, i, key)
@@ -234,7 +234,7 @@ def _update(queue: Any, counts: Any, i: int, key: float) -> Any:
     return None
 
 
-@overload(first, strict=False, jit_options=INNER)
+@overload(first, strict=False, jit_options=INTERNAL)
 def _first(queue: Any, counts: Any) -> Any:
     if _is(queue, Tree):
         return lambda queue, counts: np.int64(queue.nodes[1])
@@ -248,7 +248,7 @@ def warm(queue: Any, i: int) -> None:
     raise TypeError(f"not a queue: {type(queue).__name__}")
 
 
-@overload(warm, strict=False, jit_options=INNER)
+@overload(warm, strict=False, jit_options=INTERNAL)
 def _warm(queue: Any, i: int) -> Any:
     if _is(queue, Tree):
         return lambda queue, i: _tree_warm(queue, i)
@@ -260,7 +260,7 @@ def _warm(queue: Any, i: int) -> Any:
 # -- the stores ------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _lists_forget(store: Any, counts: Any, i: int) -> None:
     node = store.heads[i]
     if node >= 0:
@@ -275,7 +275,7 @@ def _lists_forget(store: Any, counts: Any, i: int) -> None:
         tick(counts, MOVES, steps)
 
 
-@inner
+@inline_internal
 def _lists_add(store: Any, counts: Any, i: int, time: float, j: int, count: int) -> None:
     node = store.free[0]
     store.free[0] = store.after[node]
@@ -293,7 +293,7 @@ def _lists_add(store: Any, counts: Any, i: int, time: float, j: int, count: int)
     tick(counts, MOVES, steps)
 
 
-@inner
+@inline_internal
 def _lists_show(store: Any, rows: Any, ints: Any, i: int) -> None:
     """The head of i's list becomes its next event."""
     node = store.heads[i]
@@ -304,7 +304,7 @@ def _lists_show(store: Any, rows: Any, ints: Any, i: int) -> None:
         ints[i, PARTNER_COUNT] = store.count[node]
 
 
-@inner
+@inline_internal
 def _lists_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     node = store.heads[i]
     store.heads[i] = store.after[node]
@@ -320,7 +320,7 @@ def forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(forget, strict=False, jit_options=INNER)
+@overload(forget, strict=False, jit_options=INTERNAL)
 def _forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
     if _is(store, Earliest):
 
@@ -342,7 +342,7 @@ def keeps_all(store: Any) -> bool:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(keeps_all, strict=False, jit_options=INNER)
+@overload(keeps_all, strict=False, jit_options=INTERNAL)
 def _keeps_all(store: Any) -> Any:
     if _is(store, Lists):
         return lambda store: True
@@ -354,7 +354,7 @@ def has_room(store: Any, number: int) -> bool:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(has_room, strict=False, jit_options=INNER)
+@overload(has_room, strict=False, jit_options=INTERNAL)
 def _has_room(store: Any, number: int) -> Any:
     if _is(store, Lists):
         return lambda store, number: store.free[1] >= number
@@ -366,7 +366,7 @@ def add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: i
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(add, strict=False, jit_options=INNER)
+@overload(add, strict=False, jit_options=INTERNAL)
 def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> Any:
     if _is(store, Earliest):
 
@@ -390,7 +390,7 @@ def pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(pop, strict=False, jit_options=INNER)
+@overload(pop, strict=False, jit_options=INTERNAL)
 def _pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
     if _is(store, Lists):
         return lambda store, rows, ints, counts, i: _lists_pop(store, rows, ints, counts, i)

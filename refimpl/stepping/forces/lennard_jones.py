@@ -38,7 +38,7 @@ from refimpl.stepping.forces.generic import (
     virial,
 )
 from refimpl.stepping.kernels.lennard_jones import between_walls, tile_accelerations, tile_energy, wall_energy
-from refimpl.stepping.neighbours import (
+from refimpl.stepping.kernels.neighbours import (
     BUILDS,
     STATUS,
     Neighbours,

@@ -13,7 +13,8 @@ import numpy as np
 from numba import njit
 
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
-from refimpl.stepping.neighbours import FAR, SAFE, inner
+from refimpl.stepping.kernels.compiled import internal
+from refimpl.stepping.kernels.neighbours import FAR, SAFE
 
 #: Places of the numbers in the row of a law.
 STIFFNESS, DAMPING, TANGENTIAL_STIFFNESS, TANGENTIAL_DAMPING, FRICTION = range(5)
@@ -42,12 +43,12 @@ class Model(NamedTuple):
 # -- the law of a contact ----------------------------------------------------------------------------------------------
 
 
-@inner
+@internal
 def _scale(model: Model, delta: float, radius: float) -> float:
     return np.sqrt(delta * radius) if model.hertz else 1.0
 
 
-@inner
+@internal
 def _damping(coefficient: float, law: Any, model: Model, mass: float, scale: float) -> float:
     """eta, the force over the velocity."""
     if model.by_mass:
@@ -55,13 +56,13 @@ def _damping(coefficient: float, law: Any, model: Model, mass: float, scale: flo
     return coefficient * np.sqrt(mass * law[STIFFNESS] * scale)
 
 
-@inner
+@internal
 def _normal_force(law: Any, model: Model, delta: float, approach: float, mass: float, scale: float) -> float:
     """Of the overlap delta and the normal velocity `approach`, negative when the grains come nearer."""
     return law[STIFFNESS] * scale * delta - _damping(law[DAMPING], law, model, mass, scale) * approach
 
 
-@inner
+@internal
 def _tangential_force(law, model, mass, scale, normal, n, u, stretch, elapsed, f):  # type: ignore[no-untyped-def]
     """Of the slip u, to f, all (3,); `stretch` (3,) is brought forward by the time `elapsed`."""
     limit = law[FRICTION] * abs(normal)
@@ -99,17 +100,17 @@ def _tangential_force(law, model, mass, scale, normal, n, u, stretch, elapsed, f
                 stretch[k] = -(f[k] + damping * u[k]) / stiffness
 
 
-@inner
+@internal
 def _product(x: Any, y: Any) -> float:
     return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
-@inner
+@internal
 def _length(x: Any) -> float:
     return np.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
 
 
-@inner
+@internal
 def _slip(n, g, approach, w, u):  # type: ignore[no-untyped-def]
     """u = g - (g.n) n - w x n, w the sum of the surfaces' R omega."""
     u[0] = g[0] - approach * n[0] - (w[1] * n[2] - w[2] * n[1])
@@ -117,7 +118,7 @@ def _slip(n, g, approach, w, u):  # type: ignore[no-untyped-def]
     u[2] = g[2] - approach * n[2] - (w[0] * n[1] - w[1] * n[0])
 
 
-@inner
+@internal
 def _add_spin(dimension, spins, v, i, radius, w):  # type: ignore[no-untyped-def]
     """Adds R omega of grain i to w (3,)."""
     if dimension == 3:
@@ -127,7 +128,7 @@ def _add_spin(dimension, spins, v, i, radius, w):  # type: ignore[no-untyped-def
         w[2] += radius * v[spins + i]
 
 
-@inner
+@internal
 def _add_torque(dimension, spins, a, i, share, n, f):  # type: ignore[no-untyped-def]
     """Adds -share n x F to the angular acceleration of grain i."""
     z = n[0] * f[1] - n[1] * f[0]
@@ -142,7 +143,7 @@ def _add_torque(dimension, spins, a, i, share, n, f):  # type: ignore[no-untyped
 # -- the pair list -----------------------------------------------------------------------------------------------------
 
 
-@inner
+@internal
 def _has_moved(r, built, dimension, skin):  # type: ignore[no-untyped-def]
     """True if a grain is further than skin/2 from where the list was made, or its place is not a number."""
     limit2 = (0.5 * SAFE * skin) ** 2
@@ -155,7 +156,7 @@ def _has_moved(r, built, dimension, skin):  # type: ignore[no-untyped-def]
     return not still
 
 
-@inner
+@internal
 def _apart2(sides, r, i, j):  # type: ignore[no-untyped-def]
     """Squared distance of the nearest images."""
     d = len(sides)
@@ -168,7 +169,7 @@ def _apart2(sides, r, i, j):  # type: ignore[no-untyped-def]
     return square
 
 
-@inner
+@internal
 def _find_pairs(sides, radii, skin, r, pairs, reach2):  # type: ignore[no-untyped-def]
     """Number of pairs i < j with surfaces nearer than skin, and, as far as there is room, the pairs."""
     d, number = len(sides), len(radii)
@@ -235,21 +236,21 @@ def _find_pairs(sides, radii, skin, r, pairs, reach2):  # type: ignore[no-untype
     return found
 
 
-@inner
+@internal
 def _forget(touching, stretches, pair):  # type: ignore[no-untyped-def]
     touching[pair] = False
     for k in range(3):
         stretches[pair, k] = 0.0
 
 
-@inner
+@internal
 def _remember(touching, stretches, pair, kept, old):  # type: ignore[no-untyped-def]
     touching[pair] = True
     for k in range(3):
         stretches[pair, k] = kept[old, k]
 
 
-@inner
+@internal
 def _make_list(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):  # type: ignore[no-untyped-def]
     """A new pair list for the positions r; stretches of pairs that touch are carried over."""
     far = FAR * radii[0]
@@ -293,7 +294,7 @@ def _make_list(sides, radii, skin, built, pairs, reach2, touching, stretches, st
     return GOOD
 
 
-@inner
+@internal
 def _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):  # type: ignore[no-untyped-def]
     """Sees to it that the pair list is good for r; False, with the reason in the state, if it cannot be."""
     state[STATUS] = GOOD
@@ -308,7 +309,7 @@ def _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state
 # -- sums over contacts ------------------------------------------------------------------------------------------------
 
 
-@inner
+@internal
 def _pairs(  # type: ignore[no-untyped-def]
     sides, radii, inverse_masses, inverse_inertias, law, model, pairs, reach2, count, touching, stretches, elapsed,
     r, v, a,
@@ -357,7 +358,7 @@ def _pairs(  # type: ignore[no-untyped-def]
     return contacts, virial
 
 
-@inner
+@internal
 def _on_wall(  # type: ignore[no-untyped-def]
     d, radii, inverse_masses, inverse_inertias, law, model, stretches, elapsed, i, delta, n, g, u, w, f, v, a, on_wall
 ):  # fmt: skip
@@ -378,14 +379,14 @@ def _on_wall(  # type: ignore[no-untyped-def]
         on_wall[k] -= force
 
 
-@inner
+@internal
 def _motion(wall: Any, time: float) -> tuple[float, float]:
     """Place and velocity of a plane wall."""
     swing, angle = wall[SIGN] * wall[AMPLITUDE], wall[FREQUENCY] * time + wall[PHASE]
     return wall[PLACE] + swing * np.cos(angle), -swing * wall[FREQUENCY] * np.sin(angle)
 
 
-@inner
+@internal
 def _planes(  # type: ignore[no-untyped-def]
     d, radii, inverse_masses, inverse_inertias, walls, model, stretches, elapsed, time, r, v, a, on_walls
 ):
@@ -412,7 +413,7 @@ def _planes(  # type: ignore[no-untyped-def]
             )  # fmt: skip
 
 
-@inner
+@internal
 def _cylinder(  # type: ignore[no-untyped-def]
     d, radii, inverse_masses, inverse_inertias, cylinder, model, stretches, elapsed, r, v, a, on_wall
 ):
@@ -490,7 +491,7 @@ def grain_accelerations(  # type: ignore[no-untyped-def]
         a[len(a) - 1] = torque
 
 
-@inner
+@internal
 def _spring_energy(law: Any, model: Model, delta: float, radius: float) -> float:
     """k delta^2/2, or 2 k sqrt(R_eff) delta^(5/2)/5."""
     return law[STIFFNESS] * delta * delta * (0.4 * np.sqrt(delta * radius) if model.hertz else 0.5)

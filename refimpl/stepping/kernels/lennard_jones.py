@@ -1,6 +1,6 @@
 """Fast twin of `refimpl.stepping.forces.lennard_jones.plain_forces`: one neighbour against a tile of eight particles.
 
-The particles of a tile lie in the lanes of a vector; each slot of the tile's list (refimpl.stepping.neighbours) is
+The particles of a tile lie in the lanes of a vector; each slot of the tile's list (`neighbours`, beside this module) is
 broadcast to all lanes, and lanes beyond the cutoff are masked. Every pair is computed from both of its sides: that
 costs less than adding to the partner's force in memory. The members of a tile are not in its list; a loop of their own
 leaves out each particle's force on itself.
@@ -14,6 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from refimpl.stepping.kernels.compiled import inline_internal
+from refimpl.stepping.kernels.neighbours import Neighbours
 from refimpl.stepping.kernels.simd import (
     WIDTH,
     lanes,
@@ -26,20 +28,19 @@ from refimpl.stepping.kernels.simd import (
     where,
     zeros,
 )
-from refimpl.stepping.neighbours import Neighbours, inline
 
 #: Squared distance that stands for that of a particle from itself: beyond every cutoff.
 SELF = 1e300
 
 
-@inline
+@inline_internal
 def _lanes_of(slot_values, tile):  # type: ignore[no-untyped-def]
     if slot_values is not None:
         return load(slot_values, tile * WIDTH)
     return zeros()
 
 
-@inline
+@inline_internal
 def _coefficients(epsilon, sigma, sizes, strengths, size, strength, j):  # type: ignore[no-untyped-def]
     """A and B of the pairs of the tile with slot j; the same everywhere if there is one species."""
     attraction = zeros()
@@ -57,7 +58,7 @@ def _coefficients(epsilon, sigma, sizes, strengths, size, strength, j):  # type:
     return attraction, repulsion
 
 
-@inline
+@inline_internal
 def _separation(packed, sides, j, itself, xi, yi, zi):  # type: ignore[no-untyped-def]
     """Vectors from slot j to the tile's particles, and their squares; `itself` marks the lane of j in the tile."""
     if len(sides) == 3:
@@ -75,14 +76,14 @@ def _separation(packed, sides, j, itself, xi, yi, zi):  # type: ignore[no-untype
     return dx, dy, dz, r2
 
 
-@inline
+@inline_internal
 def _slope_at_cutoff(attraction, repulsion, cutoff):  # type: ignore[no-untyped-def]
     """phi'(cutoff)."""
     q3 = splat(1.0 / cutoff**6)
     return q3 * (attraction - repulsion * q3) * splat(1.0 / cutoff)
 
 
-@inline
+@inline_internal
 def _add_force(  # type: ignore[no-untyped-def]
     packed,
     sides,
@@ -117,7 +118,7 @@ def _add_force(  # type: ignore[no-untyped-def]
     return fx + f * dx, fy + f * dy, fz
 
 
-@inline
+@inline_internal
 def _wall_force(walls, sides, lengths, k, x):  # type: ignore[no-untyped-def]
     """Force of the two walls across axis k on a particle at x, between them."""
     if walls is None:
@@ -127,7 +128,7 @@ def _wall_force(walls, sides, lengths, k, x):  # type: ignore[no-untyped-def]
     return _one_wall(walls, x) - _one_wall(walls, lengths[k] - x)
 
 
-@inline
+@inline_internal
 def _one_wall(walls, s):  # type: ignore[no-untyped-def]
     if s >= walls.cutoff:
         return 0.0
@@ -135,7 +136,7 @@ def _one_wall(walls, s):  # type: ignore[no-untyped-def]
     return 24.0 * walls.epsilon * s6 * (2.0 * s6 - 1.0) / s
 
 
-@inline
+@inline_internal
 def _divide(force, mass, masses, particle):  # type: ignore[no-untyped-def]
     if masses is not None:
         return force / masses[particle]
@@ -219,7 +220,7 @@ def tile_accelerations(  # type: ignore[no-untyped-def]
                 a[particle * dimension + k] = _divide(forces[k * WIDTH + lane] + wall, mass, masses, particle)
 
 
-@inline
+@inline_internal
 def _add_energy(  # type: ignore[no-untyped-def]
     packed,
     sides,

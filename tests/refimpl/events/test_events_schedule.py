@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from refimpl.events.compiled import kernel
+from refimpl.events.kernels.compiled import kernel
 from refimpl.events.kernels.schedule import (
     COMPARISONS,
     COUNT,

@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
-from refimpl.stepping.kernels.simd import WIDTH
-from refimpl.stepping.neighbours import (
+from refimpl.stepping.kernels.neighbours import (
     BUILDS,
     CLOSE,
     FAR,
@@ -22,6 +21,7 @@ from refimpl.stepping.neighbours import (
     spread,
     update,
 )
+from refimpl.stepping.kernels.simd import WIDTH
 
 
 def updated(lists: Neighbours, r: np.ndarray) -> Neighbours:

@@ -19,15 +19,16 @@ S. Pall and B. Hess, Comput. Phys. Commun. 184, 2641 (2013); S. Pall et al., J. 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import ceil, prod
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
+from refimpl.stepping.kernels.compiled import inline_internal, internal
 from refimpl.stepping.kernels.simd import WIDTH, any_lane, load, load_splat, splat
 
 #: Indices of `Neighbours.state`.
@@ -49,8 +50,6 @@ NOWHERE = 1e150
 CLOSE = 0.25
 #: Cells along the last axis per column width: fine, as they need not hold a tile.
 FINE = 7
-
-Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
 class Neighbours(NamedTuple):
@@ -105,18 +104,6 @@ class _Grid(NamedTuple):
     a: _Axis
     b: _Axis
     c: _Axis
-
-
-def inner(function: Kernel) -> Kernel:
-    """Compiled for kernels only: a wrapper for Python would take as long again. Python must not call it."""
-    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return cast(Kernel, njit(error_model="numpy", **options)(function))
-
-
-def inline(function: Kernel) -> Kernel:
-    """As `inner`, and made part of its callers."""
-    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return cast(Kernel, njit(error_model="numpy", forceinline=True, **options)(function))
 
 
 def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) -> Neighbours:
@@ -226,7 +213,7 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
     return state[STATUS]
 
 
-@inner
+@internal
 def _refresh(neighbours: Neighbours, r: np.ndarray) -> bool:
     """Coordinates of the sorted particles; False if the close lists may miss a pair, or one is not a number."""
     order, offset, pruned = neighbours.order, neighbours.offset, neighbours.pruned
@@ -248,7 +235,7 @@ def _refresh(neighbours: Neighbours, r: np.ndarray) -> bool:
     return still
 
 
-@inner
+@internal
 def _moved_less(neighbours: Neighbours, limit: float) -> bool:
     """True if no particle is further than `limit` from where the wide lists were built; False for not-a-number."""
     packed, built = neighbours.packed, neighbours.built
@@ -263,7 +250,7 @@ def _moved_less(neighbours: Neighbours, limit: float) -> bool:
     return still
 
 
-@inline
+@inline_internal
 def _distance2(packed, sides, j, xi, yi, zi):  # type: ignore[no-untyped-def]
     """Squared distances of slot j from the members of a tile; two dimensions leave out zi."""
     record = _record(len(sides))
@@ -276,7 +263,7 @@ def _distance2(packed, sides, j, xi, yi, zi):  # type: ignore[no-untyped-def]
     return r2
 
 
-@inner
+@internal
 def _prune(neighbours: Neighbours) -> None:
     """Close lists: the entries of the wide ones that are within cutoff + CLOSE * skin of a member of the tile."""
     packed, tiles, pruned = neighbours.packed, neighbours.tiles, neighbours.pruned
@@ -303,7 +290,7 @@ def _prune(neighbours: Neighbours) -> None:
     neighbours.state[PRUNES] += 1
 
 
-@inner
+@internal
 def _copy_images(neighbours: Neighbours) -> None:
     packed, blocks, block_shift = neighbours.packed, neighbours.blocks, neighbours.block_shift
     dimension = len(neighbours.sides)
@@ -330,7 +317,7 @@ def spread(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray) -> Non
         image += count
 
 
-@inner
+@internal
 def _build(neighbours: Neighbours, r: np.ndarray) -> int:
     reach = neighbours.cutoff + neighbours.skin
     far = FAR * reach
@@ -348,7 +335,7 @@ def _build(neighbours: Neighbours, r: np.ndarray) -> int:
     return GOOD
 
 
-@inner
+@internal
 def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: int) -> _Grid:
     """Columns as wide as a cubic (2D: square) tile is at the mean density, at most `limit` cells in all."""
     dimension = len(sides)
@@ -376,7 +363,7 @@ def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: i
     )
 
 
-@inner
+@internal
 def _extent(side: float, r: np.ndarray, k: int, dimension: int) -> tuple[float, float]:
     """Lower end and length of axis k: the box if it is periodic, else what the particles take up."""
     if side > 0:
@@ -388,20 +375,20 @@ def _extent(side: float, r: np.ndarray, k: int, dimension: int) -> tuple[float, 
     return low, high - low
 
 
-@inner
+@internal
 def _axis(cells: float, low: float, extent: float, side: float, reach: float) -> _Axis:
     inverse = cells / extent if extent > 0 else 0.0
     around = min(cells, np.ceil(reach * inverse)) if side > 0 else 0.0
     return _Axis(int(cells), low, extent / cells, inverse, int(around))
 
 
-@inline
+@inline_internal
 def _column(grid: _Grid, a: int, b: int) -> int:
     """Number of a column along the snaking path: neighbours on the path are neighbours in space."""
     return a * grid.b.cells + (grid.b.cells - 1 - b if a % 2 else b)
 
 
-@inline
+@inline_internal
 def _slots(grid: _Grid, start: np.ndarray, column: int, low: int, high: int) -> tuple[int, int]:
     """First slot and end of the cells low ... high of a column; odd columns are walked downwards."""
     if column % 2:
@@ -409,7 +396,7 @@ def _slots(grid: _Grid, start: np.ndarray, column: int, low: int, high: int) -> 
     return start[column * grid.c.cells + low], start[column * grid.c.cells + high + 1]
 
 
-@inline
+@inline_internal
 def _imaged(grid: _Grid, shift_c: int) -> tuple[int, int]:
     """First and last cell of a column that has an image `shift_c` boxes along the column; none if last < first."""
     low = grid.c.cells - grid.c.around if shift_c == -1 else 0
@@ -417,19 +404,19 @@ def _imaged(grid: _Grid, shift_c: int) -> tuple[int, int]:
     return low, high
 
 
-@inline
+@inline_internal
 def _offset(x: float, side: float) -> float:
     """What wrapping takes from a coordinate: a whole number of box sides."""
     return side * np.floor(x / side) if side > 0 else 0.0
 
 
-@inline
+@inline_internal
 def _cell(axis: _Axis, x: float, side: float) -> int:
     cell = int((x - _offset(x, side) - axis.low) * axis.inverse)
     return min(axis.cells - 1, max(0, cell))
 
 
-@inner
+@internal
 def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
     """Counting sort of the particles by cell along the snaking path."""
     sides, order, offset, built = neighbours.sides, neighbours.order, neighbours.offset, neighbours.built
@@ -475,7 +462,7 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
             tiles[tile + k * WIDTH] = NOWHERE * (slot % WIDTH)
 
 
-@inner
+@internal
 def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
     """Which slots are imaged, where to and by how much; False if the arrays are too small."""
     sides, start, state = neighbours.sides, neighbours.start, neighbours.state
@@ -512,7 +499,7 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
     return end * _record(dimension) <= len(neighbours.packed)
 
 
-@inner
+@internal
 def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
     """Wide lists: the slots within cutoff + skin of a member of each tile; False if the array is too small."""
     packed, tiles, start = neighbours.packed, neighbours.tiles, neighbours.start
@@ -570,7 +557,7 @@ def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
     return True
 
 
-@inline
+@inline_internal
 def _range(axis: _Axis, tiles: np.ndarray, base: int, members: int, reach: float) -> tuple[float, float, int, int]:
     """Extent of a tile along an axis, and the range of the cells, images included, within `reach` of it."""
     low = high = tiles[base]
@@ -582,7 +569,7 @@ def _range(axis: _Axis, tiles: np.ndarray, base: int, members: int, reach: float
     return low, high, max(-axis.around, cell_from), min(axis.cells - 1 + axis.around, cell_to)
 
 
-@inline
+@inline_internal
 def _gap(axis: _Axis, cell: int, low: float, high: float) -> float:
     """Distance between a cell and the interval low ... high."""
     cell_low = axis.low + cell * axis.width
