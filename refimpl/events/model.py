@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
 
-#: Motions of a wall, as `Walls.motion` holds them.
+#: Motions of a wall, as `PlaneWalls.motion` holds them.
 STEADY, UNIFORM_PHASE, FLUX_PHASE, OSCILLATING, THERMAL = range(5)
 
-#: Columns of `Walls.numbers`.
+#: Columns of `PlaneWalls.numbers`.
 RESTITUTION, VELOCITY, AMPLITUDE, FREQUENCY, PHASE, TEMPERATURE, TANGENTIAL, STATIC, SLIDING = range(9)
 
 
@@ -98,7 +98,7 @@ class Rough(NamedTuple):
     inertia: float
 
 
-class Walls(NamedTuple):
+class PlaneWalls(NamedTuple):
     """Plane walls as arrays over the 2d faces x-, x+, y-, y+, ...
 
     present: (2d,) bool. motion: (2d,). numbers: (2d, 9), see the columns above; angles at the time base of the clock.
@@ -109,7 +109,7 @@ class Walls(NamedTuple):
     numbers: Floats
 
 
-class Drum(NamedTuple):
+class CylinderWall(NamedTuple):
     """`Cylinder` with its transverse axes."""
 
     radius: float
@@ -122,7 +122,7 @@ class Drum(NamedTuple):
     sliding: float
 
 
-class Model(NamedTuple):
+class HardSpheres(NamedTuple):
     """What the event loop is specialised for; built by `hard_spheres`.
 
     lengths, periodic: (d,). diameter: the contact distance, of the largest pair. radii, inverse_masses: (N,), or None
@@ -140,7 +140,7 @@ class Model(NamedTuple):
     acceleration: Any
     well: Any
     walls: Any
-    drum: Any
+    cylinder: Any
     contact_duration: Any
     seed: Any
 
@@ -159,7 +159,7 @@ def hard_spheres(
     cylinder: Cylinder | None = None,
     contact_duration: float | None = None,
     seed: int = 0,
-) -> Model:
+) -> HardSpheres:
     """The model of hard disks (two lengths) or spheres (three) in the box [0, L) of each axis.
 
     diameters, masses: of all, or (N,); an infinite mass is a fixed scatterer. faces: one entry per face x-, x+, y-,
@@ -183,7 +183,7 @@ def hard_spheres(
     if contact_duration is not None and not contact_duration > 0:
         raise ValueError(f"contact_duration: must be positive, got {contact_duration}")
     walls = _walls(faces, d)
-    drum = None if cylinder is None else _drum(cylinder, d)
+    circular = None if cylinder is None else _cylinder_wall(cylinder, d)
     if well is not None and not (well.range > 1 and math.isfinite(well.depth)):
         raise ValueError(f"well: the range must exceed 1 and the depth be finite, got {well}")
     reach = largest * (1.0 if well is None else well.range)
@@ -197,9 +197,9 @@ def hard_spheres(
         if wraps and walls is not None and (walls.present[2 * axis] or walls.present[2 * axis + 1]):
             raise ValueError(f"faces: axis {axis} is periodic: it has no walls")
     random = walls is not None and bool((np.isin(walls.motion, (UNIFORM_PHASE, FLUX_PHASE, THERMAL))).any())
-    return Model(
+    return HardSpheres(
         tuple(map(float, lengths)), tuple(map(bool, periodic)), largest, mass, radii, inverse_masses,
-        None if restitution == 1.0 else float(restitution), rough, field, well, walls, drum, contact_duration,
+        None if restitution == 1.0 else float(restitution), rough, field, well, walls, circular, contact_duration,
         np.uint64(seed) if random else None,
     )  # fmt: skip
 
@@ -232,7 +232,7 @@ def _tangential(friction: Friction | None) -> tuple[float, float, float]:
     return float(law.tangential_restitution), float(law.static), float(law.sliding)
 
 
-def _walls(faces: Sequence[Face | None] | None, d: int) -> Walls | None:
+def _walls(faces: Sequence[Face | None] | None, d: int) -> PlaneWalls | None:
     if faces is None or all(face is None for face in faces):
         return None
     if len(faces) != 2 * d:
@@ -260,16 +260,16 @@ def _walls(faces: Sequence[Face | None] | None, d: int) -> Walls | None:
             motion[index], row[TEMPERATURE] = THERMAL, face.temperature
     if not np.isfinite(numbers[:, :STATIC]).all() or (numbers[:, [AMPLITUDE, TEMPERATURE]] < 0).any():
         raise ValueError("faces: amplitudes and temperatures must be finite and not negative")
-    return Walls(present, motion, numbers)
+    return PlaneWalls(present, motion, numbers)
 
 
-def _drum(cylinder: Cylinder, d: int) -> Drum:
+def _cylinder_wall(cylinder: Cylinder, d: int) -> CylinderWall:
     if not cylinder.radius > 0:
         raise ValueError(f"cylinder.radius: must be positive, got {cylinder.radius}")
     _within("cylinder.restitution", cylinder.restitution, 0, 1)
     first, second = (0, 1) if d == 2 else tuple(axis for axis in range(3) if axis != cylinder.axis)
     law = _tangential(cylinder.friction)
-    return Drum(
+    return CylinderWall(
         float(cylinder.radius), first, second, float(cylinder.angular_velocity), float(cylinder.restitution), *law
     )
 

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from refimpl.events.kernels.compiled import inline, kernel
-from refimpl.events.model import Floats, Model
+from refimpl.events.model import Floats, HardSpheres
 from refimpl.events.prediction import (
     NEAR,
     NEVER,
     contact_distance,
+    cylinder_time,
     drift,
-    drum_time,
     nearest,
     pair_time,
     radius_of,
@@ -28,15 +28,15 @@ from refimpl.events.prediction import (
     wall_time,
 )
 from refimpl.events.rules import (
-    at_drum,
+    apply_impulse,
+    at_cylinder,
     at_edge,
     at_plane,
-    in_contact_still,
     is_fixed,
-    kick,
     normal_restitution,
     pair_impulse,
     pass_edge,
+    still_in_contact,
 )
 from refimpl.events.state import State, bonds_of, check_state, spins_of
 
@@ -55,7 +55,7 @@ class Naive:
 
     def __init__(
         self,
-        model: Model,
+        model: HardSpheres,
         positions: ArrayLike,
         velocities: ArrayLike,
         angular_velocities: ArrayLike | None = None,
@@ -84,14 +84,14 @@ class Naive:
             span, i, j = next_event(self.model, self._rows, self._bonds, self.time)
             limit = longest_flight(self.model, self._rows)
             if min(self.time + span, self.time + limit) > until:
-                fly(self.model, self._rows, self._turns, until - self.time)
+                advance_all(self.model, self._rows, self._turns, until - self.time)
                 self.time = until
                 return
-            fly(self.model, self._rows, self._turns, min(span, limit))
+            advance_all(self.model, self._rows, self._turns, min(span, limit))
             self.time += min(span, limit)
             if span <= limit:
                 self.trace.append((self.time, i, j))
-                self.collisions += happen(
+                self.collisions += apply_event(
                     self.model, self._rows, self._spins, self._bonds, i, j, self._counts, self.time
                 )
 
@@ -105,7 +105,7 @@ class Naive:
         )
 
 
-def longest_flight(model: Model, rows: Floats) -> float:
+def longest_flight(model: HardSpheres, rows: Floats) -> float:
     """No other image of a pair than the nearest one can touch before this, however they move."""
     reach = model.diameter * (1.0 if model.well is None else model.well.range)
     room = [length / 2 - reach for length, wraps in zip(model.lengths, model.periodic, strict=True) if wraps]
@@ -128,7 +128,7 @@ def next_event(model: Any, rows: Any, bonds: Any, now: float) -> tuple[float, in
             c = x * x + y * y + z * z - s * s
             if (
                 s > 0.0
-                and _meets(model.well, b, c, w2)
+                and _may_meet(model.well, b, c, w2)
                 and not (c <= NEAR * s * s and b < 0.0 and rests(rows, i, j, b, s * s))
             ):
                 span = pair_time(model.well, bonds, i, j, b, c, w2, s * s)
@@ -141,21 +141,21 @@ def next_event(model: Any, rows: Any, bonds: Any, now: float) -> tuple[float, in
                 span = wall_time(model, model.walls, face, rows[i, k], rows[i, 3 + k], radius, now, best)
                 if span < best:
                     best, one, other = span, i, -1 - face
-            span = drum_time(model, model.drum, rows, i, 0.0, radius)
+            span = cylinder_time(model, model.cylinder, rows, i, 0.0, radius)
             if span < best:
                 best, one, other = span, i, -1 - 8
     return best, one, other
 
 
 @inline
-def _meets(well: Any, b: float, c: float, w: float) -> bool:
+def _may_meet(well: Any, b: float, c: float, w: float) -> bool:
     if well is None:
         return b < 0.0 and b * b - w * c > 0.0
     return w > 0.0
 
 
 @kernel
-def fly(model: Any, rows: Any, turns: Any, span: float) -> None:
+def advance_all(model: Any, rows: Any, turns: Any, span: float) -> None:
     """Advances everybody, and wraps positions into the box."""
     for i in range(rows.shape[0]):
         for k in range(len(model.lengths)):
@@ -169,12 +169,12 @@ def fly(model: Any, rows: Any, turns: Any, span: float) -> None:
 
 
 @kernel
-def happen(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts: Any, now: float) -> bool:
+def apply_event(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts: Any, now: float) -> bool:
     """The rule of an event; whether it was a pair's collision."""
     if j < 0:
-        recent = in_contact_still(model.contact_duration, now - rows[i, _LAST])
+        recent = still_in_contact(model.contact_duration, now - rows[i, _LAST])
         if j == -1 - 8:
-            at_drum(model, model.drum, rows, spins, i, recent)
+            at_cylinder(model, model.cylinder, rows, spins, i, recent)
         else:
             at_plane(model, model.walls, rows, spins, i, counts[i], -1 - j, now, recent)
         rows[i, _LAST] = now
@@ -188,10 +188,10 @@ def happen(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts
     if not collided:
         pass_edge(model.well, model, rows, bonds, i, j, x, y, z, gn)
     else:
-        recent = in_contact_still(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
+        recent = still_in_contact(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
         alpha = normal_restitution(model.restitution, recent)
         px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
-        kick(model, rows, i, j, px, py, pz)
+        apply_impulse(model, rows, i, j, px, py, pz)
     for one in (i, j):
         if not is_fixed(model.inverse_masses, one):
             rows[one, _LAST] = now

@@ -68,7 +68,7 @@ def oscillating_time(
     s = 0.0
     while s < horizon:
         above = height + s * (v + 0.5 * a * s) - amplitude
-        if above > 0.0:  # nothing can happen above the highest place of the wall
+        if above > 0.0:  # no contact is possible above the highest place of the wall
             s += falling_time(above, v + a * s, a)
             if s >= horizon:
                 break
@@ -78,8 +78,8 @@ def oscillating_time(
         if gap <= touch:
             if speed < 0.0:
                 return s
-            pull = a + amplitude * frequency * frequency * math.cos(phase)
-            if speed == 0.0 and pull < 0.0:
+            curvature = a + amplitude * frequency * frequency * math.cos(phase)
+            if speed == 0.0 and curvature < 0.0:
                 return s
         room = max(gap, 0.0)
         root = math.sqrt(speed * speed + 2.0 * steepest * room)
@@ -187,7 +187,7 @@ def speed_after(v: float, acceleration: Any, axis: int, s: float) -> float:
 
 
 @inline
-def pull(acceleration: Any, axis: int) -> float:
+def field_along(acceleration: Any, axis: int) -> float:
     """g along one axis, 0 without a field."""
     if acceleration is None:
         return 0.0
@@ -258,7 +258,7 @@ def wall_time(
     axis, near = face >> 1, face & 1 == 0
     height = x - radius if near else model.lengths[axis] - x - radius
     v = v if near else -v
-    a = pull(model.acceleration, axis)
+    a = field_along(model.acceleration, axis)
     a = a if near else -a
     if walls.motion[face] == OSCILLATING:
         frequency = walls.numbers[face, FREQUENCY]
@@ -281,24 +281,30 @@ def resting_flight(walls: Any, model: Any, face: int) -> float:
     if walls.motion[face] != OSCILLATING:
         return 0.0
     amplitude, frequency = walls.numbers[face, AMPLITUDE], walls.numbers[face, FREQUENCY]
-    steepest = abs(pull(model.acceleration, face >> 1)) + amplitude * frequency * frequency
+    steepest = abs(field_along(model.acceleration, face >> 1)) + amplitude * frequency * frequency
     return 4.0 * math.sqrt(TOUCH * (model.lengths[face >> 1] + amplitude) / steepest)
 
 
 @inline
-def drum_time(model: Any, drum: Any, rows: Any, i: int, s: float, radius: float) -> float:
+def cylinder_time(model: Any, cylinder: Any, rows: Any, i: int, s: float, radius: float) -> float:
     """Span until the particle, whose state is s old, reaches the circular wall; NEVER without one."""
-    if drum is None:
+    if cylinder is None:
         return NEVER
-    first_axis, second_axis = drum.first, drum.second
+    first_axis, second_axis = cylinder.first, cylinder.second
     x = drift(rows[i, first_axis], rows[i, 3 + first_axis], model.acceleration, first_axis, s)
     y = drift(rows[i, second_axis], rows[i, 3 + second_axis], model.acceleration, second_axis, s)
     x, y = x - 0.5 * model.lengths[first_axis], y - 0.5 * model.lengths[second_axis]
     u = speed_after(rows[i, 3 + first_axis], model.acceleration, first_axis, s)
     v = speed_after(rows[i, 3 + second_axis], model.acceleration, second_axis, s)
-    a, b = pull(model.acceleration, first_axis), pull(model.acceleration, second_axis)
+    a, b = field_along(model.acceleration, first_axis), field_along(model.acceleration, second_axis)
     return leaving_time(
-        x * x + y * y, x * u + y * v, u * u + v * v, x * a + y * b, u * a + v * b, a * a + b * b, drum.radius - radius
+        x * x + y * y,
+        x * u + y * v,
+        u * u + v * v,
+        x * a + y * b,
+        u * a + v * b,
+        a * a + b * b,
+        cylinder.radius - radius,
     )
 
 

@@ -70,7 +70,7 @@ def is_fixed(inverse_masses: Any, i: int) -> bool:
 
 
 @inline
-def kick(model: Any, rows: Any, i: int, j: int, px: float, py: float, pz: float) -> None:
+def apply_impulse(model: Any, rows: Any, i: int, j: int, px: float, py: float, pz: float) -> None:
     """j gets the momentum p, i loses it."""
     one = inverse_mass(model.mass, model.inverse_masses, i)
     other = inverse_mass(model.mass, model.inverse_masses, j)
@@ -91,7 +91,7 @@ def normal_restitution(restitution: Any, recent: bool) -> float:
 
 
 @inline
-def in_contact_still(contact_duration: Any, age: float) -> bool:
+def still_in_contact(contact_duration: Any, age: float) -> bool:
     """TC model (Luding and McNamara 1998): the last collision is less than t_c ago."""
     if contact_duration is None:
         return False
@@ -137,17 +137,17 @@ def pair_impulse(
             )
             tx, ty, tz = factor * tx, factor * ty, factor * tz
             px, py, pz = px + tx, py + ty, pz + tz
-            _turn(
+            _turn_spin(
                 spins, i, rough.inertia, inverse_mass(model.mass, model.inverse_masses, i), ri, nx, ny, nz, tx, ty, tz
             )
-            _turn(
+            _turn_spin(
                 spins, j, rough.inertia, inverse_mass(model.mass, model.inverse_masses, j), rj, nx, ny, nz, tx, ty, tz
             )
     return px, py, pz
 
 
 @inline
-def _turn(
+def _turn_spin(
     spins: Any, i: int, inertia: float, inverse: float, radius: float, nx: float, ny: float, nz: float,
     px: float, py: float, pz: float,
 ) -> None:  # fmt: skip
@@ -277,13 +277,13 @@ def _wall_friction(
             rows[i, 3] -= tx * inverse
             rows[i, 4] -= ty * inverse
             rows[i, 5] -= tz * inverse
-            _turn(spins, i, rough.inertia, inverse, radius, nx, ny, nz, tx, ty, tz)
+            _turn_spin(spins, i, rough.inertia, inverse, radius, nx, ny, nz, tx, ty, tz)
 
 
 @kernel
-def hit_drum(model: Any, drum: Any, rough: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
+def hit_cylinder(model: Any, cylinder: Any, rough: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
     """The rule of the circular wall, which turns about the box's middle: u = Omega x r at its surface."""
-    first, second = drum.first, drum.second
+    first, second = cylinder.first, cylinder.second
     rx = rows[i, first] - 0.5 * model.lengths[first]
     ry = rows[i, second] - 0.5 * model.lengths[second]
     r = math.sqrt(rx * rx + ry * ry)
@@ -292,8 +292,8 @@ def hit_drum(model: Any, drum: Any, rough: Any, rows: Any, spins: Any, i: int, r
     if gn <= 0.0:
         return
     inverse = inverse_mass(model.mass, model.inverse_masses, i)
-    alpha = 1.0 if recent else drum.restitution
-    turning = drum.angular_velocity * drum.radius
+    alpha = 1.0 if recent else cylinder.restitution
+    turning = cylinder.angular_velocity * cylinder.radius
     n = (
         _component(rx, ry, first, second, 0),
         _component(rx, ry, first, second, 1),
@@ -306,7 +306,7 @@ def hit_drum(model: Any, drum: Any, rough: Any, rows: Any, spins: Any, i: int, r
     )
     _wall_friction(
         model, rough, rows, spins, i, n[0], n[1], n[2], u[0], u[1], u[2], (1.0 + alpha) * gn / inverse,
-        drum.tangential_restitution, drum.static, drum.sliding, recent,
+        cylinder.tangential_restitution, cylinder.static, cylinder.sliding, recent,
     )  # fmt: skip
     rows[i, 3 + first] -= (1.0 + alpha) * gn * rx
     rows[i, 3 + second] -= (1.0 + alpha) * gn * ry
@@ -349,7 +349,7 @@ def pass_edge(
     mass = reduced_mass(model.mass, model.inverse_masses, i, j)
     new, held = well_velocity(gn, inside, 2.0 * well.depth / mass)
     impulse = mass * (new - gn)
-    kick(model, rows, i, j, impulse * x, impulse * y, impulse * z)
+    apply_impulse(model, rows, i, j, impulse * x, impulse * y, impulse * z)
     if held and not inside:
         _bind(bonds, i, j)
         _bind(bonds, j, i)
@@ -369,10 +369,10 @@ def at_plane(
 
 
 @inline
-def at_drum(model: Any, drum: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
-    """`hit_drum`, where there is one."""
-    if drum is not None:
-        hit_drum(model, drum, model.rough, rows, spins, i, recent)
+def at_cylinder(model: Any, cylinder: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
+    """`hit_cylinder`, where there is one."""
+    if cylinder is not None:
+        hit_cylinder(model, cylinder, model.rough, rows, spins, i, recent)
 
 
 @inline

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from refimpl.events.kernels import loop, measure, neighbours, schedule
-from refimpl.events.model import FREQUENCY, PHASE, Floats, Model
+from refimpl.events.model import FREQUENCY, PHASE, Floats, HardSpheres
 from refimpl.events.prediction import NEVER
 from refimpl.events.state import (
     TOLERANCE,
@@ -35,9 +35,9 @@ from refimpl.events.state import (
 Scheduler = Literal["tree", "lists", "calendar"]
 
 #: Events between two renewals of the clock's base, per particle; the renewal costs about one prediction each.
-RENEWAL = 64
+REBASE_INTERVAL = 64
 #: Wait for a particle's next event that the calendar expects, in passages of a cell.
-WAIT = 0.25
+EXPECTED_WAIT = 0.25
 #: Share of a cell's spare width that its overlap takes.
 OVERLAP = 0.999
 
@@ -55,7 +55,7 @@ class Simulation:
 
     def __init__(
         self,
-        model: Model,
+        model: HardSpheres,
         positions: ArrayLike,
         velocities: ArrayLike,
         angular_velocities: ArrayLike | None = None,
@@ -87,22 +87,22 @@ class Simulation:
         self._trace = _trace() if trace else None
         self._traced: list[tuple[float, int, int]] = []
         self._progress = np.zeros(7, np.int64)
-        self._base, self._now, self._renewals = (0.0, 0.0), 0.0, 0
+        self._base, self._now, self._rebases = (0.0, 0.0), 0.0, 0
         self._instant = 0.0
         self.stopped = ""
-        self._settle()
+        self._sort_into_cells()
         self._refuse_overlap()
         if model.well is not None:
             self._find_bonds()
         self._tallies = self._fields = None
         if tallies or fields is not None:
-            faces = 2 * d + (model.drum is not None)
+            faces = 2 * d + (model.cylinder is not None)
             self._tallies = measure.Tallies(np.zeros(measure.SUMS), np.zeros((faces, 5)))
         if fields is not None:
             self._fields = _fields(fields, blocks, self._grid, n, ints)
         self._anchor_tallies()
         self._initial = self._cell_contents() if fields is not None else {}
-        self._wake()
+        self._repredict_all()
 
     # -- running -----------------------------------------------------------------------------------
 
@@ -119,7 +119,7 @@ class Simulation:
         most = np.iinfo(np.int64).max if collisions is None else collisions
         while not self.stopped:
             end = min(math.fsum((until, -self._base[0], -self._base[1])), 1e299)
-            renewal = (self._renewals + 1) * max(RENEWAL * self.number, 1 << 16)
+            renewal = (self._rebases + 1) * max(REBASE_INTERVAL * self.number, 1 << 16)
             status, self._now = loop.advance(
                 self.model, self._grid, self._particles, self._store, self._queue, self._scratch, self._tallies,
                 self._fields, self._counting, self._trace, self._progress, self._now, end, self._instant, most, renewal,
@@ -132,7 +132,7 @@ class Simulation:
             elif status == loop.TRACE_FULL:
                 continue
             elif status == loop.PAUSED:
-                self._renew()
+                self._rebase_clock()
             else:
                 self._enlarge(status)
 
@@ -154,9 +154,9 @@ class Simulation:
         who = f"particles {one} and {other}" if other >= 0 else f"particle {one} with a wall"
         return f"inelastic collapse of {who} at t = {self.time!r}"
 
-    def _renew(self) -> None:
+    def _rebase_clock(self) -> None:
         """Moves most of the time into its base, and starts all predictions again from there."""
-        self._renewals += 1
+        self._rebases += 1
         if self._now > 0:
             unit = 2.0 ** (math.floor(math.log2(self._now)) - 7)
             shift = math.floor(self._now / unit) * unit
@@ -170,7 +170,7 @@ class Simulation:
             if self.model.walls is not None:
                 numbers = self.model.walls.numbers
                 numbers[:, PHASE] = (numbers[:, PHASE] + numbers[:, FREQUENCY] * shift) % (2 * math.pi)
-        self._wake()
+        self._repredict_all()
 
     def _enlarge(self, status: int) -> None:
         """Doubles what the next event has no room in; nothing has happened yet."""
@@ -181,7 +181,7 @@ class Simulation:
             bonds = np.pad(particles.bonds, ((0, 0), (0, particles.bonds.shape[1])))
             self._particles = particles._replace(bonds=bonds)
         else:
-            self._store = _longer(self._store)
+            self._store = _with_more_nodes(self._store)
 
     def _widen_cells(self) -> None:
         old = self._particles.cells
@@ -190,7 +190,7 @@ class Simulation:
         self._particles = self._particles._replace(cells=cells)
         self._scratch = _scratch(self.dimension, cells.shape[1])
 
-    def _settle(self) -> None:
+    def _sort_into_cells(self) -> None:
         """Wraps everybody into the box, and puts them into cells."""
         d, grid, particles = self.dimension, self._grid, self._particles
         ints, rows = particles.ints, self._rows
@@ -211,7 +211,7 @@ class Simulation:
         self._particles.cells[:, 0] = held
         self._particles.cells[cell[order], slot + 1] = order
 
-    def _wake(self) -> None:
+    def _repredict_all(self) -> None:
         """Everybody finds its events anew, at the present."""
         self._instant = self._shortest_time()
         self._progress[loop.ASLEEP] = 0
@@ -219,14 +219,14 @@ class Simulation:
         particles = self._particles
         self._rows[:, schedule.NEXT] = NEVER
         particles.ints[:, schedule.PARTNER] = -1
-        particles.ints[:, schedule.OWN] = loop.WAKE
+        particles.ints[:, schedule.OWN] = loop.REPREDICT
         particles.own[:] = np.where(mobile, self._now, NEVER)
         if isinstance(self._store, schedule.Lists):
             self._store = _lists(self.number, self._store.time.size)
         if isinstance(self._queue, schedule.Tree):
             schedule.build_tree(self._queue, particles.own)
         else:
-            wait = WAIT * min(self._grid.sides[: self.dimension]) / (self._speed() or 1.0)
+            wait = EXPECTED_WAIT * min(self._grid.sides[: self.dimension]) / (self._speed() or 1.0)
             self._queue.per_time[0] = self.number / wait
             schedule.build_calendar(self._queue, particles.own, self._now)
 
@@ -357,8 +357,8 @@ class Simulation:
         """Sums since the start, exact: see the names. Needs `tallies`.
 
         collisional_virial: sum of r_ij . dp_ij, positive for repulsion. dissipated_energy: lost in pair collisions.
-        wall_impulse (faces, d): momentum given to each face (with a drum one more), wall_energy: energy got from it,
-        wall_collisions; wall_torque: angular momentum about the drum's axis got from the drum.
+        wall_impulse (faces, d): momentum given to each face, and to the cylinder; wall_energy: energy got from it,
+        wall_collisions; wall_torque: angular momentum about the cylinder's axis that the particles got from it.
         kinetic_energy_integral, potential_energy_integral: over time. deepest_overlap: largest (s - r)/s of a pair at
         its collision, r apart where s is their contact distance: beyond rounding only after an event was missed.
         """
@@ -439,7 +439,9 @@ class Simulation:
 # -- building --------------------------------------------------------------------------------------
 
 
-def _grid(model: Model, n: int, quantum: float, fields: tuple[int, ...] | None) -> tuple[loop.Grid, tuple[int, ...]]:
+def _grid(
+    model: HardSpheres, n: int, quantum: float, fields: tuple[int, ...] | None
+) -> tuple[loop.Grid, tuple[int, ...]]:
     d = len(model.lengths)
     reach = model.diameter * (1.0 if model.well is None else model.well.range) * (1 + 1e-9)
     natural = max(reach, (math.prod(model.lengths) / n) ** (1 / d))
@@ -497,7 +499,7 @@ def _lists(n: int, nodes: int) -> schedule.Lists:
     )  # fmt: skip
 
 
-def _longer(store: schedule.Lists) -> schedule.Lists:
+def _with_more_nodes(store: schedule.Lists) -> schedule.Lists:
     """With twice the nodes; the new ones are chained before the unused ones."""
     size = store.time.size
     time, partner, count, after = (np.concatenate((array, np.zeros(size, array.dtype))) for array in store[1:5])

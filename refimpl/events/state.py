@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from refimpl.events.model import Floats, Model
+from refimpl.events.model import Floats, HardSpheres
 
 #: Overlap of two particles at the start, in diameters, that passes as rounding of the input.
 TOLERANCE = 1e-9
@@ -26,12 +26,12 @@ class State(NamedTuple):
 # -- sizes, masses, energies -----------------------------------------------------------------------
 
 
-def radii_of(model: Model, number: int) -> Floats:
+def radii_of(model: HardSpheres, number: int) -> Floats:
     """(N,)"""
     return np.full(number, model.diameter / 2) if model.radii is None else model.radii
 
 
-def masses_of(model: Model, number: int) -> Floats:
+def masses_of(model: HardSpheres, number: int) -> Floats:
     """(N,), 0 for fixed particles: they have no kinetic energy."""
     inverse = model.inverse_masses
     if inverse is None:
@@ -39,7 +39,7 @@ def masses_of(model: Model, number: int) -> Floats:
     return np.where(inverse > 0, 1.0 / np.where(inverse > 0, inverse, 1.0), 0.0)
 
 
-def rotational_energies(model: Model, spins: Floats | None, number: int) -> Floats:
+def rotational_energies(model: HardSpheres, spins: Floats | None, number: int) -> Floats:
     """(N,) I w^2/2, I = q m R^2."""
     if spins is None:
         return np.zeros(number)
@@ -48,21 +48,21 @@ def rotational_energies(model: Model, spins: Floats | None, number: int) -> Floa
     return energies
 
 
-def kinetic_energies(model: Model, state: State) -> Floats:
+def kinetic_energies(model: HardSpheres, state: State) -> Floats:
     """(N,) translational and rotational."""
     number = len(state.velocities)
     translation: Floats = 0.5 * masses_of(model, number) * np.sum(state.velocities**2, axis=1)
     return translation + rotational_energies(model, state.angular_velocities, number)
 
 
-def field_energy(model: Model, positions: Floats) -> float:
+def field_energy(model: HardSpheres, positions: Floats) -> float:
     """-sum m g.x with x not wrapped."""
     if model.acceleration is None:
         return 0.0
     return -float(masses_of(model, len(positions)) @ positions @ np.array(model.acceleration))
 
 
-def well_energy(model: Model, bonds: Any) -> float:
+def well_energy(model: HardSpheres, bonds: Any) -> float:
     """-depth for each pair inside its well; a row of bonds is their number, then the partners."""
     return 0.0 if model.well is None else -0.5 * model.well.depth * float(bonds[:, 0].sum())
 
@@ -70,7 +70,7 @@ def well_energy(model: Model, bonds: Any) -> float:
 # -- the start -------------------------------------------------------------------------------------
 
 
-def check_state(model: Model, x: Floats, v: Floats) -> int:
+def check_state(model: HardSpheres, x: Floats, v: Floats) -> int:
     """Number of particles; ValueError names the first that is not finite, or outside a wall."""
     n, d = len(x), len(model.lengths)
     if n == 0:
@@ -98,10 +98,10 @@ def check_state(model: Model, x: Floats, v: Floats) -> int:
             outside = np.flatnonzero(room - amplitude * math.cos(phase) < -slack)
             if outside.size:
                 raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the wall of face {face}")
-    if model.drum is not None:
-        middle = np.array([model.lengths[model.drum.first], model.lengths[model.drum.second]]) / 2
-        away = np.linalg.norm(x[:, [model.drum.first, model.drum.second]] - middle, axis=1)
-        outside = np.flatnonzero(away + radii > model.drum.radius + slack)
+    if model.cylinder is not None:
+        middle = np.array([model.lengths[model.cylinder.first], model.lengths[model.cylinder.second]]) / 2
+        away = np.linalg.norm(x[:, [model.cylinder.first, model.cylinder.second]] - middle, axis=1)
+        outside = np.flatnonzero(away + radii > model.cylinder.radius + slack)
         if outside.size:
             raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the cylinder")
     return n
@@ -118,7 +118,7 @@ def spins_of(given: ArrayLike | None, n: int, d: int) -> Floats:
     return spins
 
 
-def bonds_of(model: Model, positions: Floats) -> Any:
+def bonds_of(model: HardSpheres, positions: Floats) -> Any:
     """(N, N + 1) partners inside each particle's well, by all pairs; a row is their number, then who."""
     n, d = positions.shape
     bonds = np.zeros((n, n + 1), np.int32)

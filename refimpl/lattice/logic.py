@@ -55,7 +55,7 @@ def program(outcomes: tuple[tuple[int, ...], ...]) -> Program:
         changed = 1 << channels if chosen is None else chosen ^ state
         for k in range(channels + 1):
             functions[k] |= (changed >> k & 1) << row
-    diagram = _short(functions, inputs)
+    diagram = _fewest_operations(functions, inputs)
     return Program(
         inputs, random, tuple(diagram.operations), tuple(diagram.values[:channels]), diagram.values[channels]
     )
@@ -65,7 +65,7 @@ def program(outcomes: tuple[tuple[int, ...], ...]) -> Program:
 _PATIENCE = 3
 
 
-def _short(functions: list[int], inputs: int) -> _Diagram:
+def _fewest_operations(functions: list[int], inputs: int) -> _Diagram:
     """A diagram with few operations, found by linear sifting."""
     best = _sifted(functions, inputs, [])
     pairs: list[tuple[int, int]] = []

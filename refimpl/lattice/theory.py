@@ -50,7 +50,7 @@ def _states(density: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
 def fermi_dirac(velocities: VelocitySet, density: ArrayLike, velocity: ArrayLike) -> Floats:
     """Equilibrium f_i = 1/(1 + exp(h + q.c_i)) with sum_i f_i = b d, sum_i f_i c_i = b d u; (..., b).
 
-    density (...) and velocity (..., 2) are broadcast. The sums are met to some 1e-15 b d. ValueError where d is not
+    density (...) and velocity (..., 2) are broadcast. The sums are met to about 1e-15 b d. ValueError where d is not
     between 0 and 1, and where no occupations between 0 and 1 have this density and this velocity.
     """
     d, u = _states(density, velocity)
@@ -63,7 +63,7 @@ def fermi_dirac(velocities: VelocitySet, density: ArrayLike, velocity: ArrayLike
 
 #: Points that are solved at once: their arrays stay in the cache.
 _BATCH = 4096
-#: More than any point needs: far from the solution an exponent changes by some ln 2 a step.
+#: More than any point needs: far from the solution an exponent changes by about ln 2 a step.
 _ITERATIONS = 500
 
 

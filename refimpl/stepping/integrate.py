@@ -19,12 +19,12 @@ from refimpl.stepping.forces.generic import (
     kinetic_energy,
     status,
 )
-from refimpl.stepping.schemes import SCHEMES, Memory, State
+from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
 
 
-def step(self: Any, force: Any, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> State:
+def step(self: Any, force: Any, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
     """`scheme.step(...)`, for kernels."""
-    state: State = self.step(force, r, v, memory, dt)
+    state: StepResult = self.step(force, r, v, memory, dt)
     return state
 
 

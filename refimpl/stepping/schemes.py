@@ -30,7 +30,7 @@ from refimpl.stepping.forces.generic import accelerate, derivatives
 
 Array = np.ndarray
 Memory = tuple[Array, ...]
-State = tuple[Array, Array, Memory]
+StepResult = tuple[Array, Array, Memory]
 
 
 class Euler(NamedTuple):
@@ -39,7 +39,7 @@ class Euler(NamedTuple):
     def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
         return ()
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a = accelerate(force, r, v)
         return r + dt * v + 0.5 * dt**2 * a, v + dt * a, memory
 
@@ -50,7 +50,7 @@ class ModifiedEuler(NamedTuple):
     def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
         return ()
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a = accelerate(force, r, v)
         v = v + dt * a
         return r + dt * v + 0.5 * dt**2 * a, v, memory
@@ -62,7 +62,7 @@ class SymplecticEuler(NamedTuple):
     def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
         return ()
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         v = v + dt * accelerate(force, r, v)
         return r + dt * v, v, memory
 
@@ -79,7 +79,7 @@ class Verlet(NamedTuple):
         r_before = r - dt * v + 0.5 * dt**2 * a
         return (2.0 * r - r_before + dt**2 * a,)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         r_now = memory[0]
         a = accelerate(force, r_now, (r_now - r) / dt)
         r_ahead = 2.0 * r_now - r + dt**2 * a
@@ -95,7 +95,7 @@ class LeapFrog(NamedTuple):
     def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
         return (v + 0.5 * dt * accelerate(force, r, v),)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         v_behind = memory[0]
         r = r + dt * v_behind
         v_ahead = v_behind + dt * accelerate(force, r, v_behind)
@@ -111,7 +111,7 @@ class VelocityVerlet(NamedTuple):
     def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
         return (accelerate(force, r, v),)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         v_half = v + 0.5 * dt * memory[0]
         r = r + dt * v_half
         a = accelerate(force, r, v_half)
@@ -134,7 +134,7 @@ class Beeman(NamedTuple):
     def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
         return _accelerations_now_and_before(force, r, v, dt)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a, a_before = memory
         r = r + dt * v + dt**2 / 6.0 * (4.0 * a - a_before)
         a_new = accelerate(force, r, v)
@@ -147,7 +147,7 @@ class BeemanPredictorCorrector(NamedTuple):
     def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
         return _accelerations_now_and_before(force, r, v, dt)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a, a_before = memory
         r = r + dt * v + dt**2 / 6.0 * (4.0 * a - a_before)
         v_predicted = v + 0.5 * dt * (3.0 * a - a_before)
@@ -161,7 +161,7 @@ class EulerPredictorCorrector(NamedTuple):
     def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
         return ()
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a = accelerate(force, r, v)
         v_new = v + dt * accelerate(force, r + dt * v, v + dt * a)
         return r + dt * v_new, v_new, memory
@@ -193,7 +193,7 @@ class Gear(NamedTuple):
                 scaled[q] = factor * higher[q - 3]
         return (scaled,)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> State:
+    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         size = self.corrector.size
         scaled = memory[0].copy()
         for lowest in range(size - 1):

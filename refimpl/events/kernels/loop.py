@@ -16,7 +16,7 @@ import numpy as np
 from refimpl.events.kernels.compiled import inline_internal, kernel
 from refimpl.events.kernels.measure import (
     note_crossing,
-    note_drum,
+    note_cylinder,
     note_pair_after,
     note_pair_before,
     note_wall_after,
@@ -39,26 +39,26 @@ from refimpl.events.kernels.schedule import (
     TIME,
     WALL_EVENTS,
     add,
+    drop_events,
     first,
-    forget,
     has_room,
     keeps_all,
     pop,
+    prefetch_entry,
     tick,
     update,
-    warm,
 )
 from refimpl.events.model import AMPLITUDE, OSCILLATING
 from refimpl.events.prediction import (
     NEAR,
     NEVER,
     contact_distance,
+    cylinder_time,
     drift,
-    drum_time,
     falling_time,
+    field_along,
     nearest,
     pair_time,
-    pull,
     radius_of,
     resting_flight,
     rests,
@@ -66,21 +66,21 @@ from refimpl.events.prediction import (
     wall_time,
 )
 from refimpl.events.rules import (
-    at_drum,
+    apply_impulse,
+    at_cylinder,
     at_edge,
     at_plane,
-    in_contact_still,
     is_fixed,
-    kick,
     normal_restitution,
     pair_impulse,
     pass_edge,
+    still_in_contact,
 )
 
 #: Why the loop returned.
 REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL = range(8)
 #: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the drum; the start, for all anew.
-WALL, DRUM, WAKE = 8, 16, 17
+WALL, CYLINDER, REPREDICT = 8, 16, 17
 #: So many collisions in a row, each a rounding of time after the one before, are a collapse; so are a few of them
 #: whose speed of approach is down to this share, squared, of the velocities.
 COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
@@ -161,7 +161,7 @@ def _quantised(x: float, quantum: float) -> float:
 
 
 @inline_internal
-def _bring(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
+def _advance_to_now(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
     """Moves a particle's state to the present."""
     s = now - rows[i, TIME]
     for k in range(len(model.lengths)):
@@ -181,7 +181,7 @@ def _reach(well: Any) -> float:
 
 
 @inline_internal
-def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
+def _may_have_event(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
     """Whether a pair may have an event before `within`; without branches."""
     if well is None:
         return (b < 0.0) & (disc > 0.0) & (c < -2.0 * b * within)
@@ -296,7 +296,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
         within = NEVER if keeps_all(store) else best - later
         ids[u] = j
         numbers[u, 0], numbers[u, 1], numbers[u, 2], numbers[u, 3] = b, c, w, later
-        u += np.int64(_concerned(well, b, c, b * b - w * c, edge, b * b - w * edge, within))
+        u += np.int64(_may_have_event(well, b, c, b * b - w * c, edge, b * b - w * edge, within))
 
     for q in range(u):
         j = ids[q]
@@ -345,7 +345,7 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
     for k in range(len(model.lengths)):
         x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
         v = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
-        a = pull(model.acceleration, k)
+        a = field_along(model.acceleration, k)
         cell = ints[i, CELL + k]
         if cell > 0 or grid.wraps[k]:
             span = falling_time(x - (cell * grid.sides[k] - grid.overlaps[k]), v, a)
@@ -356,9 +356,9 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
             if span < best:
                 best, kind = span, 2 * k + 1
     best, kind = _first_wall(model.walls, model, grid, rows, ints, i, s, now, best, kind)
-    span = drum_time(model, model.drum, rows, i, s, radius_of(model.diameter, model.radii, i))
+    span = cylinder_time(model, model.cylinder, rows, i, s, radius_of(model.diameter, model.radii, i))
     if span <= best and span < NEVER:
-        best, kind = span, DRUM
+        best, kind = span, CYLINDER
     particles.own[i] = now + best if best < NEVER else NEVER
     ints[i, OWN] = kind
 
@@ -372,7 +372,7 @@ def _cell_of(grid: Any, ints: Any, i: int) -> int:
 
 
 @inline_internal
-def _leave(grid: Any, particles: Any, i: int) -> None:
+def _leave_cell(grid: Any, particles: Any, i: int) -> None:
     cells = particles.cells
     cell = _cell_of(grid, particles.ints, i)
     last, slot = cells[cell, 0], 1
@@ -383,7 +383,7 @@ def _leave(grid: Any, particles: Any, i: int) -> None:
 
 
 @inline_internal
-def _enter(grid: Any, particles: Any, i: int) -> None:
+def _enter_cell(grid: Any, particles: Any, i: int) -> None:
     cells = particles.cells
     cell = _cell_of(grid, particles.ints, i)
     cells[cell, 0] += 1
@@ -401,13 +401,13 @@ def _no_bond_left(bonds: Any, i: int, j: int) -> bool:
 
 
 @inline_internal
-def _age(rows: Any, ints: Any, i: int, now: float) -> float:
+def _time_since_collision(rows: Any, ints: Any, i: int, now: float) -> float:
     """Time since the particle's last collision; NEVER before the first."""
     return now - rows[i, TIME] if ints[i, COUNT] > 0 else NEVER
 
 
 @inline_internal
-def _passed(
+def _at_well_edge(
     well: Any, model: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, x: float, y: float, z: float,
     distance: float, gn: float, now: float,
 ) -> bool:  # fmt: skip
@@ -431,11 +431,11 @@ def _collide(
     if _no_bond_left(particles.bonds, i, j):
         return BONDS_FULL
     rows, ints, spins = particles.rows, particles.ints, particles.spins
-    age_i, age_j = _age(rows, ints, i, now), _age(rows, ints, j, now)
+    age_i, age_j = _time_since_collision(rows, ints, i, now), _time_since_collision(rows, ints, j, now)
     fixed = is_fixed(model.inverse_masses, j)
-    _bring(model, grid, rows, i, now)
+    _advance_to_now(model, grid, rows, i, now)
     if not fixed:
-        _bring(model, grid, rows, j, now)
+        _advance_to_now(model, grid, rows, j, now)
     x, y, z = nearest(model, rows, i, j)
     distance = np.sqrt(x * x + y * y + z * z)
     x, y, z = x / distance, y / distance, z / distance
@@ -444,12 +444,12 @@ def _collide(
     for k in range(3):
         speed2 += rows[i, SPEED + k] ** 2 + rows[j, SPEED + k] ** 2
     status = PAUSED
-    if not _passed(model.well, model, particles, tallies, fields, i, j, x, y, z, distance, gn, now) and gn < 0.0:
-        recent = in_contact_still(model.contact_duration, min(age_i, age_j))
+    if not _at_well_edge(model.well, model, particles, tallies, fields, i, j, x, y, z, distance, gn, now) and gn < 0.0:
+        recent = still_in_contact(model.contact_duration, min(age_i, age_j))
         alpha = normal_restitution(model.restitution, recent)
         note_pair_before(tallies, fields, model, rows, spins, i, j, now)
         px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
-        kick(model, rows, i, j, px, py, pz)
+        apply_impulse(model, rows, i, j, px, py, pz)
         note_pair_after(tallies, fields, model, rows, spins, i, j, x, y, z, distance, px, py, pz)
         status = REACHED
     ints[i, COUNT] += 1
@@ -468,7 +468,7 @@ def _collide(
 
 
 @inline_internal
-def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
+def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
     """The particle passes a face of its cell, into the next one; False: that is full."""
     rows, ints, images = particles.rows, particles.ints, particles.images
     face = ints[i, OWN]
@@ -483,38 +483,40 @@ def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: floa
     if full:
         return False
     note_crossing(fields, model, rows, particles.spins, particles.bonds, i, face, now)
-    _leave(grid, particles, i)
+    _leave_cell(grid, particles, i)
     ints[i, CELL + k] = cell
     rows[i, k] -= turn * model.lengths[k]
     images[i, k] += turn
-    _enter(grid, particles, i)
+    _enter_cell(grid, particles, i)
     return True
 
 
 @inline_internal
-def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float) -> bool:
+def _hit_wall(
+    model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float
+) -> bool:
     """The particle hits a wall; True is a collapse."""
     rows, ints, spins = particles.rows, particles.ints, particles.spins
-    age = _age(rows, ints, i, now)
-    _bring(model, grid, rows, i, now)
-    recent = in_contact_still(model.contact_duration, age)
+    age = _time_since_collision(rows, ints, i, now)
+    _advance_to_now(model, grid, rows, i, now)
+    recent = still_in_contact(model.contact_duration, age)
     note_wall_before(tallies, fields, model, rows, spins, i, now)
     face = ints[i, OWN] - WALL
-    if ints[i, OWN] == DRUM:
+    if ints[i, OWN] == CYLINDER:
         face = 2 * len(model.lengths)
-        at_drum(model, model.drum, rows, spins, i, recent)
+        at_cylinder(model, model.cylinder, rows, spins, i, recent)
     else:
         instant = max(instant, resting_flight(model.walls, model, face))
         at_plane(model, model.walls, rows, spins, i, ints[i, COUNT], face, now, recent)
     note_wall_after(tallies, fields, model, rows, spins, i, face)
-    note_drum(tallies, model, rows, i, face)
+    note_cylinder(tallies, model, rows, i, face)
     ints[i, COUNT] += 1
     ints[i, STREAK] = ints[i, STREAK] + 1 if age < instant else 0
     return ints[i, STREAK] > COLLAPSE
 
 
 @inline_internal
-def _note(trace: Any, now: float, i: int, j: int) -> None:
+def _append_to_trace(trace: Any, now: float, i: int, j: int) -> None:
     if trace is not None:
         place = trace.filled[0]
         trace.time[place], trace.who[place, 0], trace.who[place, 1] = now, i, j
@@ -522,7 +524,7 @@ def _note(trace: Any, now: float, i: int, j: int) -> None:
 
 
 @inline_internal
-def _full(trace: Any) -> bool:
+def _trace_is_full(trace: Any) -> bool:
     if trace is None:
         return False
     return trace.filled[0] >= trace.time.size
@@ -547,7 +549,7 @@ def advance(
             i = asleep
         else:
             i = first(queue, counts)
-        warm(queue, i)
+        prefetch_entry(queue, i)
         pair_time, own_time = rows[i, NEXT], own[i]
         due = min(pair_time, own_time)
         if pairs >= most_pairs:
@@ -562,7 +564,7 @@ def advance(
         if not has_room(store, 2 * scratch.ids.size):
             status = STORE_FULL
             break
-        if _full(trace):
+        if _trace_is_full(trace):
             status = TRACE_FULL
             break
         now = max(now, due)
@@ -571,17 +573,17 @@ def advance(
         if own_time < pair_time:
             if ints[i, OWN] < WALL:
                 layer = ints[i, OWN]
-                if _cross(model, grid, particles, fields, i, now):
+                if _cross_cell_face(model, grid, particles, fields, i, now):
                     tick(counts, CROSSINGS, 1)
                 else:
                     status = CELL_FULL
-            elif ints[i, OWN] == WAKE:
+            elif ints[i, OWN] == REPREDICT:
                 asleep += 1
             else:
                 interactions += 1
                 tick(counts, WALL_EVENTS, 1)
-                _note(trace, now, i, WALL - 1 - ints[i, OWN])
-                if _hit(model, grid, particles, tallies, fields, i, now, instant):
+                _append_to_trace(trace, now, i, WALL - 1 - ints[i, OWN])
+                if _hit_wall(model, grid, particles, tallies, fields, i, now, instant):
                     progress[FIRST], progress[SECOND] = i, -1
                     status = COLLAPSED
         else:
@@ -593,12 +595,12 @@ def advance(
                 anew, again = False, not keeps_all(store)
                 changes -= 1
             else:
-                warm(queue, j)
+                prefetch_entry(queue, j)
                 done = _collide(model, grid, particles, tallies, fields, i, j, now, instant)
                 pairs += done in (REACHED, COLLAPSED)
                 interactions += done != BONDS_FULL
                 if done != BONDS_FULL:
-                    _note(trace, now, i, j)
+                    _append_to_trace(trace, now, i, j)
                 if done == BONDS_FULL or done == COLLAPSED:
                     progress[FIRST], progress[SECOND] = i, j
                     status = done
@@ -611,9 +613,9 @@ def advance(
         if status == COLLAPSED:
             break
         if again and layer < 0:
-            forget(store, rows, ints, counts, i)
+            drop_events(store, rows, ints, counts, i)
             if j >= 0:
-                forget(store, rows, ints, counts, j)
+                drop_events(store, rows, ints, counts, j)
         one = i
         while one >= 0:
             if anew:

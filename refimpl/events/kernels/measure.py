@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refimpl.events.kernels.compiled import inline_internal, kernel
-from refimpl.events.prediction import contact_distance, pull, radius_of
+from refimpl.events.prediction import contact_distance, field_along, radius_of
 
 #: Entries of `Tallies.sums`.
 (
@@ -67,7 +67,7 @@ def _mass(mass: float, inverse_masses: Any, i: int) -> float:
 
 
 @inline_internal
-def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
+def _rotational_energy(rough: Any, spins: Any, model: Any, i: int) -> float:
     """I w^2/2."""
     if rough is None or spins is None:
         return 0.0
@@ -77,7 +77,7 @@ def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
 
 
 @inline_internal
-def _moving(model: Any, rows: Any, i: int) -> float:
+def _translational_energy(model: Any, rows: Any, i: int) -> float:
     """m v^2/2, of the state as it stands in the row."""
     mass = _mass(model.mass, model.inverse_masses, i)
     return 0.5 * mass * (rows[i, 3] ** 2 + rows[i, 4] ** 2 + rows[i, 5] ** 2)
@@ -108,10 +108,12 @@ def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
     """Before the velocities of a pair change; both states are at the present."""
     if tallies is not None:
         _accumulate(tallies.sums, now)
-        tallies.sums[BEFORE] = _moving(model, rows, i) + _spinning(model.rough, spins, model, i)
-        tallies.sums[OTHER_BEFORE] = _moving(model, rows, j) + _spinning(model.rough, spins, model, j)
-    _stay_one(fields, model, rows, spins, i, now)
-    _stay_one(fields, model, rows, spins, j, now)
+        tallies.sums[BEFORE] = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i)
+        tallies.sums[OTHER_BEFORE] = _translational_energy(model, rows, j) + _rotational_energy(
+            model.rough, spins, model, j
+        )
+    _add_residence_if_measured(fields, model, rows, spins, i, now)
+    _add_residence_if_measured(fields, model, rows, spins, j, now)
 
 
 @inline_internal
@@ -122,8 +124,12 @@ def note_pair_after(
     """After a collision that gave the momentum p to j; (x, y, z) is the normal."""
     if tallies is not None:
         sums = tallies.sums
-        lost_i = sums[BEFORE] - _moving(model, rows, i) - _spinning(model.rough, spins, model, i)
-        lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j) - _spinning(model.rough, spins, model, j)
+        lost_i = sums[BEFORE] - _translational_energy(model, rows, i) - _rotational_energy(model.rough, spins, model, i)
+        lost_j = (
+            sums[OTHER_BEFORE]
+            - _translational_energy(model, rows, j)
+            - _rotational_energy(model.rough, spins, model, j)
+        )
         contact = contact_distance(model.diameter, model.radii, i, j)
         sums[DEEPEST] = max(sums[DEEPEST], (contact - distance) / contact)
         sums[VIRIAL] += distance * (px * x + py * y + pz * z)
@@ -140,8 +146,12 @@ def note_well(
     """After an event at the edge of a well; bound: energy by which the pair is bound more than before."""
     if tallies is not None:
         sums = tallies.sums
-        lost_i = sums[BEFORE] - _moving(model, rows, i) - _spinning(model.rough, spins, model, i)
-        lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j) - _spinning(model.rough, spins, model, j)
+        lost_i = sums[BEFORE] - _translational_energy(model, rows, i) - _rotational_energy(model.rough, spins, model, i)
+        lost_j = (
+            sums[OTHER_BEFORE]
+            - _translational_energy(model, rows, j)
+            - _rotational_energy(model.rough, spins, model, j)
+        )
         sums[VIRIAL] += impulse * distance
         sums[ENERGY] -= lost_i + lost_j
         sums[WELLS] -= bound
@@ -161,11 +171,11 @@ def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
     if tallies is not None:
         sums = tallies.sums
         _accumulate(sums, now)
-        sums[BEFORE] = _moving(model, rows, i) + _spinning(model.rough, spins, model, i)
+        sums[BEFORE] = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i)
         sums[SPEED_BEFORE] = rows[i, 3]
         sums[SPEED_BEFORE + 1] = rows[i, 4]
         sums[SPEED_BEFORE + 2] = rows[i, 5]
-    _stay_one(fields, model, rows, spins, i, now)
+    _add_residence_if_measured(fields, model, rows, spins, i, now)
 
 
 @inline_internal
@@ -174,7 +184,7 @@ def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any
     if tallies is not None:
         sums, walls = tallies.sums, tallies.walls
         mass = _mass(model.mass, model.inverse_masses, i)
-        gained = _moving(model, rows, i) + _spinning(model.rough, spins, model, i) - sums[BEFORE]
+        gained = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i) - sums[BEFORE]
         px = mass * (rows[i, 3] - sums[SPEED_BEFORE])
         py = mass * (rows[i, 4] - sums[SPEED_BEFORE + 1])
         pz = mass * (rows[i, 5] - sums[SPEED_BEFORE + 2])
@@ -198,21 +208,21 @@ def _along(acceleration: Any, px: float, py: float, pz: float) -> float:
 
 
 @inline_internal
-def note_drum(tallies: Any, model: Any, rows: Any, i: int, face: int) -> None:
+def note_cylinder(tallies: Any, model: Any, rows: Any, i: int, face: int) -> None:
     """Angular momentum about the axis that the drum gave to a particle, spin included: R x p is at the surface."""
     if tallies is not None:
-        _torque(tallies, model.drum, model, rows, i, face)
+        _torque(tallies, model.cylinder, model, rows, i, face)
 
 
 @inline_internal
-def _torque(tallies: Any, drum: Any, model: Any, rows: Any, i: int, face: int) -> None:
-    if drum is not None:
+def _torque(tallies: Any, cylinder: Any, model: Any, rows: Any, i: int, face: int) -> None:
+    if cylinder is not None:
         if face == 2 * len(model.lengths):
             sums = tallies.sums
             mass = _mass(model.mass, model.inverse_masses, i)
-            first, second = drum.first, drum.second
+            first, second = cylinder.first, cylinder.second
             x, y = rows[i, first] - 0.5 * model.lengths[first], rows[i, second] - 0.5 * model.lengths[second]
-            stretch = drum.radius / np.sqrt(x * x + y * y)
+            stretch = cylinder.radius / np.sqrt(x * x + y * y)
             px = mass * (rows[i, 3 + first] - sums[SPEED_BEFORE + first])
             py = mass * (rows[i, 3 + second] - sums[SPEED_BEFORE + second])
             sums[TORQUE] += stretch * (x * py - y * px)
@@ -234,7 +244,7 @@ def _place(fields: Any, i: int) -> int:
 
 
 @inline_internal
-def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
+def _add_residence(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     """Adds what the particle was since it was last added; its row may be older than that."""
     mass = _mass(model.mass, model.inverse_masses, i)
     a, b = fields.since[i] - rows[i, 6], now - rows[i, 6]
@@ -242,19 +252,19 @@ def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) ->
     kinetic = 0.0
     for k in range(len(model.lengths)):
         v = rows[i, 3 + k]
-        g = pull(model.acceleration, k)
+        g = field_along(model.acceleration, k)
         fields.momentum[place, k] += mass * (v * (b - a) + 0.5 * g * (b * b - a * a))
         kinetic += v * v * (b - a) + v * g * (b * b - a * a) + g * g * (b**3 - a**3) / 3.0
     fields.mass[place] += mass * (b - a)
     fields.kinetic[place] += 0.5 * mass * kinetic
-    fields.rotational[place] += _spinning(model.rough, spins, model, i) * (b - a)
+    fields.rotational[place] += _rotational_energy(model.rough, spins, model, i) * (b - a)
     fields.since[i] = now
 
 
 @inline_internal
-def _stay_one(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
+def _add_residence_if_measured(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     if fields is not None:
-        _stay(fields, model, rows, spins, i, now)
+        _add_residence(fields, model, rows, spins, i, now)
 
 
 @inline_internal
@@ -266,22 +276,22 @@ def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i:
         block = fields.blocks[axis]
         at_edge = (cell + 1) % block == 0 if up else cell % block == 0
         if at_edge:
-            _stay(fields, model, rows, spins, i, now)
+            _add_residence(fields, model, rows, spins, i, now)
             sign = 1.0 if up else -1.0
             mass = _mass(model.mass, model.inverse_masses, i)
             s = now - rows[i, 6]
-            energy = _spinning(model.rough, spins, model, i) + _bound(model.well, bonds, i)
+            energy = _rotational_energy(model.rough, spins, model, i) + _half_bond_energy(model.well, bonds, i)
             place = _face(fields, _place(fields, i), axis, up)
             fields.flux_mass[axis, place] += sign * mass
             for k in range(len(model.lengths)):
-                v = rows[i, 3 + k] + pull(model.acceleration, k) * s
+                v = rows[i, 3 + k] + field_along(model.acceleration, k) * s
                 energy += 0.5 * mass * v * v
                 fields.flux_momentum[axis, place, k] += sign * mass * v
             fields.flux_energy[axis, place] += sign * energy
 
 
 @inline_internal
-def _bound(well: Any, bonds: Any, i: int) -> float:
+def _half_bond_energy(well: Any, bonds: Any, i: int) -> float:
     """A particle's half of the energy of its wells."""
     if well is None:
         return 0.0
@@ -335,13 +345,13 @@ def _pair_fields(
                 if not (done >> k) & 1:
                     shape = fields.shape[k]
                     step = _block(fields, j, k) - _block(fields, i, k)
-                    if step > 1 or (step == 1 and shape == 2 and _toward(x, y, z, k) < 0.0):
+                    if step > 1 or (step == 1 and shape == 2 and _component_along(x, y, z, k) < 0.0):
                         step = -1
-                    elif step < -1 or (step == -1 and shape == 2 and _toward(x, y, z, k) > 0.0):
+                    elif step < -1 or (step == -1 and shape == 2 and _component_along(x, y, z, k) > 0.0):
                         step = 1
                     if step != 0:
                         edge = (_block(fields, i, k) + (1 if step > 0 else 0)) * fields.sides[k]
-                        along = (edge - rows[i, k]) / (distance * _toward(x, y, z, k))
+                        along = (edge - rows[i, k]) / (distance * _component_along(x, y, z, k))
                         if along < best:
                             best, axis, up = along, k, 1 if step > 0 else 0
             if axis < 0:
@@ -357,7 +367,7 @@ def _pair_fields(
 
 
 @inline_internal
-def _toward(x: float, y: float, z: float, axis: int) -> float:
+def _component_along(x: float, y: float, z: float, axis: int) -> float:
     return x if axis == 0 else (y if axis == 1 else z)
 
 
@@ -375,4 +385,4 @@ def _wall_fields(fields: Any, i: int, px: float, py: float, pz: float, gained: f
 def settle_fields(fields: Any, model: Any, rows: Any, spins: Any, now: float) -> None:
     """Brings the time integrals of every particle to the present."""
     for i in range(rows.shape[0]):
-        _stay(fields, model, rows, spins, i, now)
+        _add_residence(fields, model, rows, spins, i, now)

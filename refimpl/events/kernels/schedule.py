@@ -110,7 +110,7 @@ def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
 
 
 @inline_internal
-def _tree_warm(queue: Any, i: int) -> None:
+def _tree_prefetch(queue: Any, i: int) -> None:
     # which way an update takes is known long before it does, and the upper levels are in the cache
     place = queue.nodes.size // 2 + i
     while place > NEAR_NODES:
@@ -204,7 +204,7 @@ def build_calendar(queue: Any, times: Any, now: float) -> None:
 
 
 @inline_internal
-def _calendar_warm(queue: Any, i: int) -> None:
+def _calendar_prefetch(queue: Any, i: int) -> None:
     if queue.keys.size > NEAR_NODES:
         prefetch(queue.day, i * 8)
         prefetch(queue.keys, i * 8)
@@ -243,17 +243,17 @@ def _first(queue: Any, counts: Any) -> Any:
     return None
 
 
-def warm(queue: Any, i: int) -> None:
+def prefetch_entry(queue: Any, i: int) -> None:
     """Hints that particle i's entry is about to change."""
     raise TypeError(f"not a queue: {type(queue).__name__}")
 
 
-@overload(warm, strict=False, jit_options=INTERNAL)
-def _warm(queue: Any, i: int) -> Any:
+@overload(prefetch_entry, strict=False, jit_options=INTERNAL)
+def _prefetch_entry(queue: Any, i: int) -> Any:
     if _is(queue, Tree):
-        return lambda queue, i: _tree_warm(queue, i)
+        return lambda queue, i: _tree_prefetch(queue, i)
     if _is(queue, Calendar):
-        return lambda queue, i: _calendar_warm(queue, i)
+        return lambda queue, i: _calendar_prefetch(queue, i)
     return None
 
 
@@ -261,7 +261,7 @@ def _warm(queue: Any, i: int) -> Any:
 
 
 @inline_internal
-def _lists_forget(store: Any, counts: Any, i: int) -> None:
+def _lists_drop(store: Any, counts: Any, i: int) -> None:
     node = store.heads[i]
     if node >= 0:
         last, steps = node, 1
@@ -294,7 +294,7 @@ def _lists_add(store: Any, counts: Any, i: int, time: float, j: int, count: int)
 
 
 @inline_internal
-def _lists_show(store: Any, rows: Any, ints: Any, i: int) -> None:
+def _lists_publish_head(store: Any, rows: Any, ints: Any, i: int) -> None:
     """The head of i's list becomes its next event."""
     node = store.heads[i]
     if node < 0:
@@ -312,16 +312,16 @@ def _lists_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     store.free[0] = node
     store.free[1] += 1
     tick(counts, MOVES, 1)
-    _lists_show(store, rows, ints, i)
+    _lists_publish_head(store, rows, ints, i)
 
 
-def forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+def drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     """Drops every pair event that i owns."""
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(forget, strict=False, jit_options=INTERNAL)
-def _forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
+@overload(drop_events, strict=False, jit_options=INTERNAL)
+def _drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
     if _is(store, Earliest):
 
         def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
@@ -331,8 +331,8 @@ def _forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
         return earliest
 
     def lists(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
-        _lists_forget(store, counts, i)
-        _lists_show(store, rows, ints, i)
+        _lists_drop(store, counts, i)
+        _lists_publish_head(store, rows, ints, i)
 
     return lists
 
@@ -380,7 +380,7 @@ def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: 
 
     def lists(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
         _lists_add(store, counts, i, time, j, ints[j, COUNT])
-        _lists_show(store, rows, ints, i)
+        _lists_publish_head(store, rows, ints, i)
 
     return lists
 

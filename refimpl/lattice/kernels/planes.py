@@ -13,6 +13,7 @@ from numba.extending import overload, register_jitable
 
 from refimpl.lattice.kernels.words import (
     WIDTH,
+    any_bit,
     arrivals,
     chosen,
     collided,
@@ -21,7 +22,6 @@ from refimpl.lattice.kernels.words import (
     population,
     pushed,
     reflected,
-    some,
     splat,
     store,
 )
@@ -62,7 +62,7 @@ def _collide_compiled(model, occupied, key, place):  # type: ignore[no-untyped-d
         bits = (_word(key, 0, place), _word(key, 1, place))
         after, again = collided(model, occupied, bits)
         draw = 2
-        while some(again):
+        while any_bit(again):
             bits = chosen(again, (_word(key, draw, place), _word(key, draw + 1, place)), bits)
             after, again = collided(model, occupied, bits)
             draw += 2

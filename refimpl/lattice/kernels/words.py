@@ -155,7 +155,7 @@ def lanes(typing: Any) -> Any:
 
 
 @intrinsic
-def some(typing: Any, value: Any) -> Any:
+def any_bit(typing: Any, value: Any) -> Any:
     """Whether any bit is set."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:

@@ -28,7 +28,7 @@ _answers: dict[Callable[..., Any], dict[type, Callable[..., Any]]] = {}
 _defaults: dict[Callable[..., Any], Callable[..., Any]] = {}
 
 
-def _question(function: Implementation) -> Implementation:
+def _dispatched(function: Implementation) -> Implementation:
     """Makes `function(force, ...)` dispatch on the class of `force`; its own body is the answer of all others."""
     table: dict[type, Callable[..., Any]] = {}
 
@@ -42,7 +42,7 @@ def _question(function: Implementation) -> Implementation:
     return ask  # type: ignore[return-value]
 
 
-def answers(question: Callable[..., Any], force_class: type) -> Callable[[Implementation], Implementation]:
+def implements(question: Callable[..., Any], force_class: type) -> Callable[[Implementation], Implementation]:
     """Registers the decorated function as the answer of `force_class` to `question`.
 
     The function must be plain Python that numba can compile (it may call jitted kernels), with the same argument
@@ -56,54 +56,54 @@ def answers(question: Callable[..., Any], force_class: type) -> Callable[[Implem
     return register
 
 
-def _compiled_answer(question: Callable[..., Any], force: Any) -> Callable[..., Any] | None:
+def _compiled_implementation(question: Callable[..., Any], force: Any) -> Callable[..., Any] | None:
     force_class: Any = getattr(force, "instance_class", None)
     return _answers[question].get(force_class, _defaults[question])
 
 
-@_question
+@_dispatched
 def accelerate(force: Any, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Acceleration f(r, v)/m of every coordinate, shape (N*d,)."""
     raise NotImplementedError("this force has no acceleration")
 
 
-@_question
+@_dispatched
 def potential_energy(force: Any, r: np.ndarray) -> float:
     """Total potential energy U(r)."""
     raise NotImplementedError("this force has no potential energy")
 
 
-@_question
+@_dispatched
 def kinetic_energy(force: Any, v: np.ndarray) -> float:
     """Total kinetic energy K = sum m v^2 / 2, with the masses that the force holds."""
     raise NotImplementedError("this force holds no masses")
 
 
-@_question
+@_dispatched
 def virial(force: Any, r: np.ndarray) -> float:
     """Virial W = sum over pairs of r_ij . F_ij; the pressure is (2 K + W)/(d V)."""
     raise NotImplementedError("this force has no virial")
 
 
-@_question
+@_dispatched
 def energy_and_virial(force: Any, r: np.ndarray) -> tuple[float, float]:
     """U(r) and W(r) together: a force that finds both in one pass over its pairs answers this too."""
     return potential_energy(force, r), virial(force, r)
 
 
-@_question
+@_dispatched
 def derivatives(force: Any, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
     """The time derivatives r_3, r_4, ... of the coordinates, shape (count, N*d); zeros where they are not known."""
     return np.zeros((count, r.size))
 
 
-@_question
+@_dispatched
 def status(force: Any) -> int:
     """GOOD, NEEDS_CAPACITY or DIVERGED: the outcome of the last evaluation."""
     return GOOD
 
 
-@_question
+@_dispatched
 def enlarge(force: Any) -> Any:
     """The same force with larger work arrays, after `status` said NEEDS_CAPACITY. Asked from Python only."""
     raise NotImplementedError("this force has no work arrays")
@@ -111,34 +111,34 @@ def enlarge(force: Any) -> Any:
 
 @overload(accelerate, inline="never", strict=False)
 def _accelerate(force: Any, r: Any, v: Any) -> Any:
-    return _compiled_answer(accelerate, force)
+    return _compiled_implementation(accelerate, force)
 
 
 @overload(potential_energy, inline="never", strict=False)
 def _potential_energy(force: Any, r: Any) -> Any:
-    return _compiled_answer(potential_energy, force)
+    return _compiled_implementation(potential_energy, force)
 
 
 @overload(kinetic_energy, inline="never", strict=False)
 def _kinetic_energy(force: Any, v: Any) -> Any:
-    return _compiled_answer(kinetic_energy, force)
+    return _compiled_implementation(kinetic_energy, force)
 
 
 @overload(virial, inline="never", strict=False)
 def _virial(force: Any, r: Any) -> Any:
-    return _compiled_answer(virial, force)
+    return _compiled_implementation(virial, force)
 
 
 @overload(energy_and_virial, inline="never", strict=False)
 def _energy_and_virial(force: Any, r: Any) -> Any:
-    return _compiled_answer(energy_and_virial, force)
+    return _compiled_implementation(energy_and_virial, force)
 
 
 @overload(derivatives, inline="never", strict=False)
 def _derivatives(force: Any, r: Any, v: Any, count: Any) -> Any:
-    return _compiled_answer(derivatives, force)
+    return _compiled_implementation(derivatives, force)
 
 
 @overload(status, inline="never", strict=False)
 def _status(force: Any) -> Any:
-    return _compiled_answer(status, force)
+    return _compiled_implementation(status, force)

@@ -39,19 +39,26 @@ from numba.extending import register_jitable
 
 from refimpl.stepping.forces.generic import (
     accelerate,
-    answers,
     energy_and_virial,
     enlarge,
+    implements,
     kinetic_energy,
     status,
 )
-from refimpl.stepping.kernels.contacts import NEEDED, NO_LIMIT, STATUS, Model, elastic_energy, grain_accelerations
+from refimpl.stepping.kernels.contacts import (
+    NEEDED,
+    NO_LIMIT,
+    STATUS,
+    ContactModel,
+    elastic_energy,
+    grain_accelerations,
+)
 
 #: Default skin of the pair list, over the largest diameter.
 SKIN = 0.3
 
 
-class Law(NamedTuple):
+class ContactLaw(NamedTuple):
     """k; gamma or c; k_t; gamma_t or c_t; mu: see the module's equations."""
 
     stiffness: float
@@ -61,7 +68,7 @@ class Law(NamedTuple):
     friction: float = 0.0
 
 
-class Plane(NamedTuple):
+class SoftPlane(NamedTuple):
     """A wall at `place` along `axis`, the grains on the side to which `sign` (+1, -1) points.
 
     It moves by sign amplitude cos(frequency t + phase).
@@ -70,13 +77,13 @@ class Plane(NamedTuple):
     axis: int
     sign: int
     place: float
-    law: Law
+    law: ContactLaw
     amplitude: float = 0.0
     frequency: float = 0.0
     phase: float = 0.0
 
 
-class Cylinder(NamedTuple):
+class SoftCylinder(NamedTuple):
     """The inside of a cylinder about a line along `axis` (2D: 2) through `centre` (both other coordinates, in order).
 
     It turns at angular_velocity from the first of these coordinates to the second.
@@ -84,7 +91,7 @@ class Cylinder(NamedTuple):
 
     radius: float
     centre: tuple[float, float]
-    law: Law
+    law: ContactLaw
     axis: int = 2
     angular_velocity: float = 0.0
 
@@ -107,7 +114,7 @@ class Grains(NamedTuple):
     inverse_inertias: np.ndarray | None
     gravity: np.ndarray
     law: np.ndarray
-    model: Model
+    model: ContactModel
     walls: np.ndarray
     cylinder: np.ndarray
     auxiliary: int
@@ -127,13 +134,13 @@ class Grains(NamedTuple):
         return self.auxiliary > 1
 
 
-def _row(law: Law) -> list[float]:
+def _row(law: ContactLaw) -> list[float]:
     if not all(value >= 0 for value in law) or not all(np.isfinite(law[:4])) or law.stiffness == 0:
         raise ValueError(f"a contact law needs a positive stiffness and other numbers that are not negative, got {law}")
     return [*law[:4], min(law.friction, NO_LIMIT)]
 
 
-def _cylinder_row(cylinder: Cylinder) -> np.ndarray:
+def _cylinder_row(cylinder: SoftCylinder) -> np.ndarray:
     across = [axis for axis in range(3) if axis != cylinder.axis]
     numbers = [cylinder.radius, *cylinder.centre, *across, cylinder.angular_velocity]
     return np.array([*numbers, *_row(cylinder.law)], dtype=np.float64)
@@ -143,8 +150,8 @@ def _check_surroundings(
     lengths: Sequence[float],
     periodic: Sequence[bool],
     gravity: Sequence[float] | None,
-    walls: Sequence[Plane],
-    cylinder: Cylinder | None,
+    walls: Sequence[SoftPlane],
+    cylinder: SoftCylinder | None,
 ) -> None:
     """ValueError for a box, a field or walls that cannot be."""
     dimension = len(lengths)
@@ -170,11 +177,11 @@ def grains(
     masses: np.ndarray,
     lengths: Sequence[float],
     periodic: Sequence[bool],
-    law: Law,
+    law: ContactLaw,
     inertia: float | None = None,
     gravity: Sequence[float] | None = None,
-    walls: Sequence[Plane] = (),
-    cylinder: Cylinder | None = None,
+    walls: Sequence[SoftPlane] = (),
+    cylinder: SoftCylinder | None = None,
     hertz: bool = False,
     damping: Literal["mass", "restitution"] = "restitution",
     history: bool = True,
@@ -217,7 +224,7 @@ def grains(
         inverse_inertias=1 / (inertia * masses * radii**2) if inertia is not None else None,
         gravity=np.zeros(dimension) if gravity is None else np.array(gravity, dtype=np.float64),
         law=np.array(_row(law)),
-        model=Model(hertz, damping == "mass", history, granular),
+        model=ContactModel(hertz, damping == "mass", history, granular),
         walls=np.array(rows, dtype=np.float64).reshape(len(rows), 11),
         cylinder=np.zeros(0) if cylinder is None else _cylinder_row(cylinder),
         auxiliary=1 + (2 + (len(rows) + 1) * dimension + 1 if tallies else 0),
@@ -257,7 +264,7 @@ def coordinates(
     return r, v
 
 
-@answers(accelerate, Grains)
+@implements(accelerate, Grains)
 def _accelerate(force: Grains, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     a = np.empty(r.size)
     grain_accelerations(
@@ -297,7 +304,7 @@ def _turning(inverse_inertias, dimension, number, v):  # type: ignore[no-untyped
     return energy
 
 
-@answers(kinetic_energy, Grains)
+@implements(kinetic_energy, Grains)
 def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
     """With the rotation."""
     d, number = len(force.sides), len(force.radii)
@@ -307,7 +314,7 @@ def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
     return energy
 
 
-@answers(energy_and_virial, Grains)
+@implements(energy_and_virial, Grains)
 def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
     """Of gravity and of the normal springs; the virial is theirs alone, without dashpots and friction."""
     energy, virial = elastic_energy(
@@ -333,12 +340,12 @@ def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
     return energy, virial
 
 
-@answers(status, Grains)
+@implements(status, Grains)
 def _status(force: Grains) -> int:
     return force.state[STATUS]
 
 
-@answers(enlarge, Grains)
+@implements(enlarge, Grains)
 def _enlarge(force: Grains) -> Grains:
     larger = _room(int(1.25 * force.state[NEEDED]) + 8, force.inverse_inertias is not None)
     for before, array in zip((force.pairs, force.reach2, force.touching, force.stretches), larger, strict=True):

@@ -29,9 +29,9 @@ from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
     accelerate,
-    answers,
     energy_and_virial,
     enlarge,
+    implements,
     kinetic_energy,
     potential_energy,
     status,
@@ -42,9 +42,9 @@ from refimpl.stepping.kernels.neighbours import (
     BUILDS,
     STATUS,
     Neighbours,
+    copy_to_slots,
     enlarge_neighbours,
     neighbours,
-    spread,
     update,
 )
 
@@ -330,7 +330,7 @@ def tail_corrections(force: LennardJones) -> Tails:
 
 
 @njit(cache=True, error_model="numpy")
-def _spread_parameters(lists, species, species_epsilon, species_sigma, slot_size, slot_strength):  # type: ignore[no-untyped-def]
+def _copy_parameters_to_slots(lists, species, species_epsilon, species_sigma, slot_size, slot_strength):  # type: ignore[no-untyped-def]
     """Parameters of the particles to their slots, after these have changed."""
     number = len(species)
     size = np.empty(number)
@@ -338,12 +338,12 @@ def _spread_parameters(lists, species, species_epsilon, species_sigma, slot_size
     for i in range(number):
         size[i] = 0.5 * species_sigma[species[i]]
         strength[i] = np.sqrt(species_epsilon[species[i]])
-    spread(lists, size, slot_size)
-    spread(lists, strength, slot_strength)
+    copy_to_slots(lists, size, slot_size)
+    copy_to_slots(lists, strength, slot_strength)
 
 
 @register_jitable
-def _ready(  # type: ignore[no-untyped-def]
+def _lists_are_valid(  # type: ignore[no-untyped-def]
     lists, counters, walls, lengths, species, species_epsilon, species_sigma, slot_size, slot_strength, r
 ):
     """True when the lists are valid for `r`; otherwise their state says why not."""
@@ -357,13 +357,13 @@ def _ready(  # type: ignore[no-untyped-def]
     if counters[LIST_BUILDS] != lists.state[BUILDS]:
         counters[LIST_BUILDS] = lists.state[BUILDS]
         if species is not None:
-            _spread_parameters(lists, species, species_epsilon, species_sigma, slot_size, slot_strength)
+            _copy_parameters_to_slots(lists, species, species_epsilon, species_sigma, slot_size, slot_strength)
     return True
 
 
 @register_jitable
-def _ready_for(force: LennardJones, r: np.ndarray) -> bool:
-    return _ready(
+def _lists_are_valid_for(force: LennardJones, r: np.ndarray) -> bool:
+    return _lists_are_valid(
         force.neighbours,
         force.counters,
         force.walls,
@@ -384,9 +384,9 @@ def _wall_energy(walls, sides, lengths, r):  # type: ignore[no-untyped-def]
     return 0.0
 
 
-@answers(accelerate, LennardJones)
+@implements(accelerate, LennardJones)
 def _accelerate(force: LennardJones, r: np.ndarray, v: np.ndarray) -> np.ndarray:
-    if not _ready_for(force, r):
+    if not _lists_are_valid_for(force, r):
         return np.full(r.size, np.nan)
     a = np.empty(r.size)
     tile_accelerations(
@@ -410,7 +410,7 @@ def _accelerate(force: LennardJones, r: np.ndarray, v: np.ndarray) -> np.ndarray
 
 @register_jitable
 def _pair_sums(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
-    if not _ready_for(force, r):
+    if not _lists_are_valid_for(force, r):
         return np.nan, np.nan
     return tile_energy(
         force.neighbours,
@@ -424,18 +424,18 @@ def _pair_sums(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
     )
 
 
-@answers(energy_and_virial, LennardJones)
+@implements(energy_and_virial, LennardJones)
 def _energies(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
     energy, work = _pair_sums(force, r)
     return energy + _wall_energy(force.walls, force.neighbours.sides, force.lengths, r), work
 
 
-@answers(potential_energy, LennardJones)
+@implements(potential_energy, LennardJones)
 def _potential_energy(force: LennardJones, r: np.ndarray) -> float:
     return _pair_sums(force, r)[0] + _wall_energy(force.walls, force.neighbours.sides, force.lengths, r)
 
 
-@answers(virial, LennardJones)
+@implements(virial, LennardJones)
 def _virial(force: LennardJones, r: np.ndarray) -> float:
     return _pair_sums(force, r)[1]
 
@@ -453,16 +453,16 @@ def _kinetic(v: np.ndarray, mass: float | None, masses: np.ndarray | None) -> fl
     return 0.5 * np.sum(v * v)
 
 
-@answers(kinetic_energy, LennardJones)
+@implements(kinetic_energy, LennardJones)
 def _kinetic_energy(force: LennardJones, v: np.ndarray) -> float:
     return _kinetic(v, force.mass, force.masses)
 
 
-@answers(status, LennardJones)
+@implements(status, LennardJones)
 def _status(force: LennardJones) -> int:
     return force.neighbours.state[STATUS]
 
 
-@answers(enlarge, LennardJones)
+@implements(enlarge, LennardJones)
 def _enlarge(force: LennardJones) -> LennardJones:
     return _with_slots(force._replace(neighbours=enlarge_neighbours(force.neighbours)))

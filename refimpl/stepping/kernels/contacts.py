@@ -31,7 +31,7 @@ _SLIGHT = 1e-10
 NO_LIMIT = 1e100
 
 
-class Model(NamedTuple):
+class ContactModel(NamedTuple):
     """Which equations: see `refimpl.stepping.forces.grains`."""
 
     hertz: bool
@@ -44,12 +44,12 @@ class Model(NamedTuple):
 
 
 @internal
-def _scale(model: Model, delta: float, radius: float) -> float:
+def _scale(model: ContactModel, delta: float, radius: float) -> float:
     return np.sqrt(delta * radius) if model.hertz else 1.0
 
 
 @internal
-def _damping(coefficient: float, law: Any, model: Model, mass: float, scale: float) -> float:
+def _damping(coefficient: float, law: Any, model: ContactModel, mass: float, scale: float) -> float:
     """eta, the force over the velocity."""
     if model.by_mass:
         return coefficient * mass * scale
@@ -57,7 +57,7 @@ def _damping(coefficient: float, law: Any, model: Model, mass: float, scale: flo
 
 
 @internal
-def _normal_force(law: Any, model: Model, delta: float, approach: float, mass: float, scale: float) -> float:
+def _normal_force(law: Any, model: ContactModel, delta: float, approach: float, mass: float, scale: float) -> float:
     """Of the overlap delta and the normal velocity `approach`, negative when the grains come nearer."""
     return law[STIFFNESS] * scale * delta - _damping(law[DAMPING], law, model, mass, scale) * approach
 
@@ -237,14 +237,14 @@ def _find_pairs(sides, radii, skin, r, pairs, reach2):  # type: ignore[no-untype
 
 
 @internal
-def _forget(touching, stretches, pair):  # type: ignore[no-untyped-def]
+def _clear_stretch(touching, stretches, pair):  # type: ignore[no-untyped-def]
     touching[pair] = False
     for k in range(3):
         stretches[pair, k] = 0.0
 
 
 @internal
-def _remember(touching, stretches, pair, kept, old):  # type: ignore[no-untyped-def]
+def _restore_stretch(touching, stretches, pair, kept, old):  # type: ignore[no-untyped-def]
     touching[pair] = True
     for k in range(3):
         stretches[pair, k] = kept[old, k]
@@ -277,25 +277,25 @@ def _make_list(sides, radii, skin, built, pairs, reach2, touching, stretches, st
         # what touches is all that the next attempt has to know
         for old in range(held):
             pairs[old, 0], pairs[old, 1] = ends[old, 0], ends[old, 1]
-            _remember(touching, stretches, old, kept, old)
+            _restore_stretch(touching, stretches, old, kept, old)
         state[PAIRS], state[NEEDED] = held, found
         return NEEDS_CAPACITY
     state[PAIRS] = found
     for k in range(len(built)):
         built[k] = r[k]
     for pair in range(found if len(touching) > 0 else 0):
-        _forget(touching, stretches, pair)
+        _clear_stretch(touching, stretches, pair)
         old = head[pairs[pair, 0]] - 1
         while old >= 0:
             if ends[old, 1] == pairs[pair, 1]:
-                _remember(touching, stretches, pair, kept, old)
+                _restore_stretch(touching, stretches, pair, kept, old)
             old = following[old] - 1
     state[BUILDS] += 1
     return GOOD
 
 
 @internal
-def _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):  # type: ignore[no-untyped-def]
+def _list_is_valid(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):  # type: ignore[no-untyped-def]
     """Sees to it that the pair list is good for r; False, with the reason in the state, if it cannot be."""
     state[STATUS] = GOOD
     if state[LISTED] == 0 or _has_moved(r, built, len(sides), skin):
@@ -324,7 +324,7 @@ def _pairs(  # type: ignore[no-untyped-def]
         if square >= reach2[pair]:
             if inverse_inertias is not None:  # noqa: SIM102  numba prunes a test for None only if it stands alone
                 if touching[pair]:
-                    _forget(touching, stretches, pair)
+                    _clear_stretch(touching, stretches, pair)
             continue
         distance = np.sqrt(square)
         approach = 0.0
@@ -454,7 +454,7 @@ def grain_accelerations(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     """Accelerations, angular accelerations, and rates of the tallies, to `a`; NaN where the list cannot be made."""
     d, number = len(sides), len(radii)
-    if not _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):
+    if not _list_is_valid(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):
         for k in range(len(a)):
             a[k] = np.nan
         return
@@ -492,7 +492,7 @@ def grain_accelerations(  # type: ignore[no-untyped-def]
 
 
 @internal
-def _spring_energy(law: Any, model: Model, delta: float, radius: float) -> float:
+def _spring_energy(law: Any, model: ContactModel, delta: float, radius: float) -> float:
     """k delta^2/2, or 2 k sqrt(R_eff) delta^(5/2)/5."""
     return law[STIFFNESS] * delta * delta * (0.4 * np.sqrt(delta * radius) if model.hertz else 0.5)
 
@@ -504,7 +504,7 @@ def elastic_energy(  # type: ignore[no-untyped-def]
     """Energy of the normal springs of all contacts, and the pairs' sum of r_ij . F_ij by them; NaN without a list."""
     d = len(sides)
     energy, virial = 0.0, 0.0
-    if not _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):
+    if not _list_is_valid(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):
         return np.nan, np.nan
     for pair in range(state[PAIRS]):
         i, j = pairs[pair, 0], pairs[pair, 1]

@@ -45,7 +45,7 @@ SAFE = 1 - 1e-9
 #: Coordinates further than this many list radii from the origin count as diverged: nearer, rounding is safe by SAFE.
 FAR = 1e6
 #: Position of the slots that fill up the last tile: beyond any cutoff, and its square is still finite.
-NOWHERE = 1e150
+FILLER_POSITION = 1e150
 #: Skin of the close lists over that of the wide ones.
 CLOSE = 0.25
 #: Cells along the last axis per column width: fine, as they need not hold a tile.
@@ -305,7 +305,7 @@ def _copy_images(neighbours: Neighbours) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def spread(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray) -> None:
+def copy_to_slots(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray) -> None:
     """Copies the `values` of the particles, shape (N,), to their slots and images; other `slots` keep theirs."""
     for slot in range(len(neighbours.order)):
         slots[slot] = values[neighbours.order[slot]]
@@ -458,8 +458,8 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
         tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
         for k in range(dimension):
             # Apart from each other, so that they do not interact either.
-            packed[slot * record + k] = NOWHERE * (slot % WIDTH)
-            tiles[tile + k * WIDTH] = NOWHERE * (slot % WIDTH)
+            packed[slot * record + k] = FILLER_POSITION * (slot % WIDTH)
+            tiles[tile + k * WIDTH] = FILLER_POSITION * (slot % WIDTH)
 
 
 @internal

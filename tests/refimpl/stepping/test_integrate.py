@@ -18,8 +18,8 @@ from refimpl.stepping.forces.generic import (
     GOOD,
     NEEDS_CAPACITY,
     accelerate,
-    answers,
     enlarge,
+    implements,
     kinetic_energy,
     potential_energy,
     status,
@@ -61,33 +61,33 @@ def _answer(force: Fussy, r: np.ndarray) -> Any:
     return force.state[STATUS] == GOOD
 
 
-@answers(accelerate, Fussy)
+@implements(accelerate, Fussy)
 def _accelerate(force: Fussy, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     force.state[SEEN] += 1
     return -r if _answer(force, r) else np.full(r.size, np.nan)
 
 
-@answers(potential_energy, Fussy)
+@implements(potential_energy, Fussy)
 def _potential_energy(force: Fussy, r: np.ndarray) -> float:
     return 0.5 * np.sum(r * r) if _answer(force, r) else np.nan
 
 
-@answers(virial, Fussy)
+@implements(virial, Fussy)
 def _virial(force: Fussy, r: np.ndarray) -> float:
     return -np.sum(r * r) if _answer(force, r) else np.nan
 
 
-@answers(kinetic_energy, Fussy)
+@implements(kinetic_energy, Fussy)
 def _kinetic_energy(force: Fussy, v: np.ndarray) -> float:
     return 0.5 * np.sum(v * v)
 
 
-@answers(status, Fussy)
+@implements(status, Fussy)
 def _status(force: Fussy) -> int:
     return force.state[STATUS]
 
 
-@answers(enlarge, Fussy)
+@implements(enlarge, Fussy)
 def _enlarge(force: Fussy) -> Fussy:
     force.state[ENLARGED] += 1
     return force._replace(room=1.5 * force.room)

@@ -16,9 +16,9 @@ from refimpl.stepping.kernels.neighbours import (
     SLOTS,
     STATUS,
     Neighbours,
+    copy_to_slots,
     enlarge_neighbours,
     neighbours,
-    spread,
     update,
 )
 from refimpl.stepping.kernels.simd import WIDTH
@@ -38,7 +38,7 @@ def listed_distances(lists: Neighbours, radius: float) -> list[tuple[int, int, f
     number = len(lists.order)
     slots = lists.packed.reshape(-1, 4 if dimension == 3 else 2)[: lists.state[SLOTS], :dimension]
     tagged = np.full(lists.state[SLOTS], np.nan)
-    spread(lists, np.arange(number, dtype=float), tagged)
+    copy_to_slots(lists, np.arange(number, dtype=float), tagged)
     found = []
     for tile in range(len(lists.first) - 1):
         members = range(tile * WIDTH, min((tile + 1) * WIDTH, number))
