@@ -104,7 +104,7 @@ class Grains(NamedTuple):
     after the angles: the clock and, if they are tallied, the number of touching pairs, sum r_ij . F_ij, the forces on
     each wall and on the cylinder (d each), and the torque of the cylinder on the grains. pairs: (P, 2); reach2: squared
     contact distances; touching, stretches (P, 3) and wall_stretches (walls + 1, N, 3): of rough grains. clock: (1,), of
-    the last evaluation. state: see STATUS in the kernels.
+    the last evaluation. bookkeeping: see STATUS in the kernels.
     """
 
     sides: tuple[float, ...]
@@ -126,7 +126,7 @@ class Grains(NamedTuple):
     stretches: np.ndarray
     wall_stretches: np.ndarray
     clock: np.ndarray
-    state: np.ndarray
+    bookkeeping: np.ndarray
 
     @property
     def tallied(self) -> bool:
@@ -236,7 +236,7 @@ def grains(
         stretches=stretches,
         wall_stretches=np.zeros((len(rows) + 1, number if rough else 0, 3)),
         clock=np.full(1, np.nan),
-        state=np.zeros(5, dtype=np.int64),
+        bookkeeping=np.zeros(5, dtype=np.int64),
     )
 
 
@@ -267,30 +267,7 @@ def coordinates(
 @implements(accelerate, Grains)
 def _accelerate(force: Grains, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     a = np.empty(r.size)
-    grain_accelerations(
-        force.sides,
-        force.radii,
-        force.inverse_masses,
-        force.inverse_inertias,
-        force.gravity,
-        force.law,
-        force.model,
-        force.walls,
-        force.cylinder,
-        force.auxiliary,
-        force.skin,
-        force.built,
-        force.pairs,
-        force.reach2,
-        force.touching,
-        force.stretches,
-        force.wall_stretches,
-        force.clock,
-        force.state,
-        r,
-        v,
-        a,
-    )
+    grain_accelerations(force, r, v, a)
     return a
 
 
@@ -317,23 +294,7 @@ def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
 @implements(energy_and_virial, Grains)
 def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
     """Of gravity and of the normal springs; the virial is theirs alone, without dashpots and friction."""
-    energy, virial = elastic_energy(
-        force.sides,
-        force.radii,
-        force.law,
-        force.model,
-        force.walls,
-        force.cylinder,
-        force.skin,
-        force.built,
-        force.pairs,
-        force.reach2,
-        force.touching,
-        force.stretches,
-        force.state,
-        r[r.size - force.auxiliary],
-        r,
-    )
+    energy, virial = elastic_energy(force, r)
     d = len(force.sides)
     for k in range(d * len(force.radii)):
         energy -= force.masses[k // d] * force.gravity[k % d] * r[k]
@@ -342,15 +303,15 @@ def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
 
 @implements(status, Grains)
 def _status(force: Grains) -> int:
-    return force.state[STATUS]
+    return force.bookkeeping[STATUS]
 
 
 @implements(enlarge, Grains)
 def _enlarge(force: Grains) -> Grains:
-    larger = _room(int(1.25 * force.state[NEEDED]) + 8, force.inverse_inertias is not None)
+    larger = _room(int(1.25 * force.bookkeeping[NEEDED]) + 8, force.inverse_inertias is not None)
     for before, array in zip((force.pairs, force.reach2, force.touching, force.stretches), larger, strict=True):
         array[: len(before)] = before
     pairs, reach2, touching, stretches = larger
     # the smaller force may be used again: nothing that says what is in the arrays is shared with it
-    own = {name: getattr(force, name).copy() for name in ("state", "built", "clock", "wall_stretches")}
+    own = {name: getattr(force, name).copy() for name in ("bookkeeping", "built", "clock", "wall_stretches")}
     return force._replace(pairs=pairs, reach2=reach2, touching=touching, stretches=stretches, **own)

@@ -743,7 +743,7 @@ def test_stretches_survive_new_lists_and_larger_ones(dimension, granular):
     bound = ROUNDINGS * EPSILON * steps * growth * np.abs(np.concatenate(expected)).max()
     later, states = moved(force, r, v, dt, steps)
     assert len(later.pairs) > len(force.pairs)
-    assert later.state[BUILDS] >= 2
+    assert later.bookkeeping[BUILDS] >= 2
     assert np.abs(later.stretches).max() > 1e-3
     assert later.touching.sum() > 8
     for skin in (wide, 0.0, 0.05, None):
