@@ -389,21 +389,7 @@ def _accelerate(force: LennardJones, r: np.ndarray, v: np.ndarray) -> np.ndarray
     if not _lists_are_valid_for(force, r):
         return np.full(r.size, np.nan)
     a = np.empty(r.size)
-    tile_accelerations(
-        force.neighbours,
-        force.epsilon,
-        force.sigma,
-        force.slot_size,
-        force.slot_strength,
-        force.cutoff,
-        force.shift_force,
-        force.mass,
-        force.masses,
-        force.walls,
-        force.lengths,
-        r,
-        a,
-    )
+    tile_accelerations(force, r, a)
     force.counters[FORCE_EVALUATIONS] += 1
     return a
 
@@ -412,16 +398,7 @@ def _accelerate(force: LennardJones, r: np.ndarray, v: np.ndarray) -> np.ndarray
 def _pair_sums(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
     if not _lists_are_valid_for(force, r):
         return np.nan, np.nan
-    return tile_energy(
-        force.neighbours,
-        force.epsilon,
-        force.sigma,
-        force.slot_size,
-        force.slot_strength,
-        force.cutoff,
-        force.shift_energy,
-        force.shift_force,
-    )
+    return tile_energy(force)
 
 
 @implements(energy_and_virial, LennardJones)
