@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
+Vector: TypeAlias = tuple[float, float, float]
 
 #: Motions of a wall, as `PlaneWalls.motion` holds them.
 STEADY, UNIFORM_PHASE, FLUX_PHASE, OSCILLATING, THERMAL = range(5)

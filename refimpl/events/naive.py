@@ -186,12 +186,12 @@ def apply_event(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, c
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
     collided = not at_edge(model.well, model, i, j, distance * distance)
     if not collided:
-        pass_edge(model.well, model, rows, bonds, i, j, x, y, z, gn)
+        pass_edge(model.well, model, rows, bonds, i, j, (x, y, z), gn)
     else:
         recent = still_in_contact(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
         alpha = normal_restitution(model.restitution, recent)
-        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
-        apply_impulse(model, rows, i, j, px, py, pz)
+        impulse = pair_impulse(model.rough, spins, model, rows, i, j, (x, y, z), gn, alpha, recent)
+        apply_impulse(model, rows, i, j, impulse)
     for one in (i, j):
         if not is_fixed(model.inverse_masses, one):
             rows[one, _LAST] = now

@@ -26,6 +26,7 @@ from refimpl.events.model import (
     THERMAL,
     UNIFORM_PHASE,
     VELOCITY,
+    Vector,
 )
 from refimpl.events.prediction import bonded, contact_distance, radius_of
 from refimpl.random_bits import GAMMA, mix64
@@ -70,8 +71,9 @@ def is_fixed(inverse_masses: Any, i: int) -> bool:
 
 
 @inline
-def apply_impulse(model: Any, rows: Any, i: int, j: int, px: float, py: float, pz: float) -> None:
-    """j gets the momentum p, i loses it."""
+def apply_impulse(model: Any, rows: Any, i: int, j: int, impulse: Vector) -> None:
+    """Particle j gets the momentum `impulse`, i loses it."""
+    px, py, pz = impulse
     one = inverse_mass(model.mass, model.inverse_masses, i)
     other = inverse_mass(model.mass, model.inverse_masses, j)
     rows[i, 3] -= one * px
@@ -115,10 +117,10 @@ def tangential_impulse(
 
 @inline
 def pair_impulse(
-    rough: Any, spins: Any, model: Any, rows: Any, i: int, j: int, nx: float, ny: float, nz: float, gn: float,
-    alpha: float, recent: bool,
-) -> tuple[float, float, float]:  # fmt: skip
+    rough: Any, spins: Any, model: Any, rows: Any, i: int, j: int, n: Vector, gn: float, alpha: float, recent: bool
+) -> Vector:
     """Momentum that j gets and i loses, for the relative normal velocity gn = (v_j - v_i).n < 0. Turns the spins."""
+    nx, ny, nz = n
     mass = reduced_mass(model.mass, model.inverse_masses, i, j)
     normal = -(1.0 + alpha) * gn * mass
     px, py, pz = normal * nx, normal * ny, normal * nz
@@ -137,21 +139,17 @@ def pair_impulse(
             )
             tx, ty, tz = factor * tx, factor * ty, factor * tz
             px, py, pz = px + tx, py + ty, pz + tz
-            _turn_spin(
-                spins, i, rough.inertia, inverse_mass(model.mass, model.inverse_masses, i), ri, nx, ny, nz, tx, ty, tz
-            )
-            _turn_spin(
-                spins, j, rough.inertia, inverse_mass(model.mass, model.inverse_masses, j), rj, nx, ny, nz, tx, ty, tz
-            )
+            along = (tx, ty, tz)
+            _turn_spin(spins, i, rough.inertia, inverse_mass(model.mass, model.inverse_masses, i), ri, n, along)
+            _turn_spin(spins, j, rough.inertia, inverse_mass(model.mass, model.inverse_masses, j), rj, n, along)
     return px, py, pz
 
 
 @inline
-def _turn_spin(
-    spins: Any, i: int, inertia: float, inverse: float, radius: float, nx: float, ny: float, nz: float,
-    px: float, py: float, pz: float,
-) -> None:  # fmt: skip
+def _turn_spin(spins: Any, i: int, inertia: float, inverse: float, radius: float, n: Vector, impulse: Vector) -> None:
     """I dw = -R n x J for either partner: arm and impulse both change sign between them."""
+    nx, ny, nz = n
+    px, py, pz = impulse
     factor = -inverse / (inertia * radius)
     spins[i, 0] += factor * (ny * pz - nz * py)
     spins[i, 1] += factor * (nz * px - nx * pz)
@@ -194,7 +192,7 @@ def wall_velocity(numbers: Any, motion: int, now: float, v: float, seed: int, i:
 
 
 @kernel
-def thermal_velocity(temperature: float, inverse: float, seed: int, i: int, count: int) -> tuple[float, float, float]:
+def thermal_velocity(temperature: float, inverse: float, seed: int, i: int, count: int) -> Vector:
     """Velocity from the flux of a gas: normal sqrt(-2 T/m ln u), two tangential components Gaussian of variance T/m."""
     width = math.sqrt(temperature * inverse)
     normal = width * math.sqrt(-2.0 * math.log(random_uniform(seed, i, count, 0)))
@@ -226,21 +224,20 @@ def hit_plane(
     if v - own >= 0.0:
         return
     alpha = 1.0 if recent else numbers[RESTITUTION]
-    nx, ny, nz = _minus_unit(axis, inwards)
-    _wall_friction(
-        model, rough, rows, spins, i, nx, ny, nz, 0.0, 0.0, 0.0, (1.0 + alpha) * (own - v) / inverse,
-        numbers[TANGENTIAL], numbers[STATIC], numbers[SLIDING], recent,
-    )  # fmt: skip
+    law = (numbers[TANGENTIAL], numbers[STATIC], numbers[SLIDING])
+    push = (1.0 + alpha) * (own - v) / inverse
+    _wall_friction(model, rough, rows, spins, i, _minus_unit(axis, inwards), (0.0, 0.0, 0.0), push, law, recent)
     rows[i, 3 + axis] = inwards * ((1.0 + alpha) * own - alpha * v)
 
 
 @kernel
-def _minus_unit(axis: int, inwards: float) -> tuple[float, float, float]:
+def _minus_unit(axis: int, inwards: float) -> Vector:
+    """The unit vector towards the wall across `axis`; inwards: +1 for the lower face, -1 for the upper one."""
     return (-inwards if axis == 0 else 0.0, -inwards if axis == 1 else 0.0, -inwards if axis == 2 else 0.0)
 
 
 @inline
-def _thermal(seed: Any, temperature: float, inverse: float, i: int, count: int) -> tuple[float, float, float]:
+def _thermal(seed: Any, temperature: float, inverse: float, i: int, count: int) -> Vector:
     if seed is None:
         return 0.0, 0.0, 0.0
     return thermal_velocity(temperature, inverse, seed, i, count)
@@ -255,11 +252,15 @@ def _own_velocity(seed: Any, numbers: Any, motion: int, now: float, v: float, i:
 
 @inline
 def _wall_friction(
-    model: Any, rough: Any, rows: Any, spins: Any, i: int, nx: float, ny: float, nz: float, ux: float, uy: float,
-    uz: float, normal: float, alpha_t: float, static: float, sliding: float, recent: bool,
+    model: Any, rough: Any, rows: Any, spins: Any, i: int, n: Vector, u: Vector, normal: float, law: Vector,
+    recent: bool,
 ) -> None:  # fmt: skip
-    """Tangential impulse of a wall whose surface moves with velocity u, on a grain that can turn; n is towards it."""
+    """Tangential impulse of a wall whose surface moves with velocity u, on a grain that can turn; n is towards it.
+
+    normal: the normal impulse. law: tangential restitution, static and sliding coefficient of friction.
+    """
     if rough is not None:
+        (nx, ny, nz), (ux, uy, uz), (alpha_t, static, sliding) = n, u, law
         if recent or alpha_t == 1.0:
             return
         inverse = inverse_mass(model.mass, model.inverse_masses, i)
@@ -277,7 +278,7 @@ def _wall_friction(
             rows[i, 3] -= tx * inverse
             rows[i, 4] -= ty * inverse
             rows[i, 5] -= tz * inverse
-            _turn_spin(spins, i, rough.inertia, inverse, radius, nx, ny, nz, tx, ty, tz)
+            _turn_spin(spins, i, rough.inertia, inverse, radius, n, (tx, ty, tz))
 
 
 @kernel
@@ -304,10 +305,8 @@ def hit_cylinder(model: Any, cylinder: Any, rough: Any, rows: Any, spins: Any, i
         turning * _component(-ry, rx, first, second, 1),
         turning * _component(-ry, rx, first, second, 2),
     )
-    _wall_friction(
-        model, rough, rows, spins, i, n[0], n[1], n[2], u[0], u[1], u[2], (1.0 + alpha) * gn / inverse,
-        cylinder.tangential_restitution, cylinder.static, cylinder.sliding, recent,
-    )  # fmt: skip
+    law = (cylinder.tangential_restitution, cylinder.static, cylinder.sliding)
+    _wall_friction(model, rough, rows, spins, i, n, u, (1.0 + alpha) * gn / inverse, law, recent)
     rows[i, 3 + first] -= (1.0 + alpha) * gn * rx
     rows[i, 3 + second] -= (1.0 + alpha) * gn * ry
 
@@ -340,16 +339,16 @@ def at_edge(well: Any, model: Any, i: int, j: int, distance2: float) -> bool:
 
 @inline
 def pass_edge(
-    well: Any, model: Any, rows: Any, bonds: Any, i: int, j: int, x: float, y: float, z: float, gn: float
+    well: Any, model: Any, rows: Any, bonds: Any, i: int, j: int, n: Vector, gn: float
 ) -> tuple[float, float]:
-    """The rule at the edge of a well: impulse along the normal (x, y, z), and energy that binds the pair more."""
+    """The rule at the edge of a well: impulse along the normal n, and energy that binds the pair more."""
     if well is None:
         return 0.0, 0.0
     inside = bonded(bonds, i, j)
     mass = reduced_mass(model.mass, model.inverse_masses, i, j)
     new, held = well_velocity(gn, inside, 2.0 * well.depth / mass)
     impulse = mass * (new - gn)
-    apply_impulse(model, rows, i, j, impulse * x, impulse * y, impulse * z)
+    apply_impulse(model, rows, i, j, (impulse * n[0], impulse * n[1], impulse * n[2]))
     if held and not inside:
         _bind(bonds, i, j)
         _bind(bonds, j, i)

@@ -120,9 +120,11 @@ class Simulation:
         while not self.stopped:
             end = min(math.fsum((until, -self._base[0], -self._base[1])), 1e299)
             renewal = (self._rebases + 1) * max(REBASE_INTERVAL * self.number, 1 << 16)
+            measured = loop.Measured(self._tallies, self._fields, self._counting, self._trace)
+            limits = loop.Limits(end, self._instant, most, renewal)
             status, self._now = loop.advance(
-                self.model, self._grid, self._particles, self._store, self._queue, self._scratch, self._tallies,
-                self._fields, self._counting, self._trace, self._progress, self._now, end, self._instant, most, renewal,
+                self.model, self._grid, self._particles, self._store, self._queue, self._scratch, measured,
+                self._progress, self._now, limits,
             )  # fmt: skip
             self._collect_trace()
             if status in (loop.REACHED, loop.COUNTED):

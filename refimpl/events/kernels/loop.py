@@ -48,7 +48,7 @@ from refimpl.events.kernels.schedule import (
     tick,
     update,
 )
-from refimpl.events.model import AMPLITUDE, OSCILLATING
+from refimpl.events.model import AMPLITUDE, OSCILLATING, Vector
 from refimpl.events.prediction import (
     NEAR,
     NEVER,
@@ -126,6 +126,27 @@ class Trace(NamedTuple):
     time: Any
     who: Any
     filled: Any
+
+
+class Measured(NamedTuple):
+    """What is recorded during a run; each may be None. counts: (6,) operations."""
+
+    tallies: Any
+    fields: Any
+    counts: Any
+    trace: Any
+
+
+class Limits(NamedTuple):
+    """Where a run ends: a time, a number of pair collisions, or of changes of state, all since the start.
+
+    instant: two collisions of a particle that are nearer in time count as simultaneous.
+    """
+
+    until: float
+    instant: float
+    collisions: int
+    changes: int
 
 
 class Scratch(NamedTuple):
@@ -408,8 +429,8 @@ def _time_since_collision(rows: Any, ints: Any, i: int, now: float) -> float:
 
 @inline_internal
 def _at_well_edge(
-    well: Any, model: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, x: float, y: float, z: float,
-    distance: float, gn: float, now: float,
+    well: Any, model: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, n: Vector, distance: float,
+    gn: float, now: float,
 ) -> bool:  # fmt: skip
     """The event at the edge of a well, if the pair is there."""
     if well is None:
@@ -418,8 +439,8 @@ def _at_well_edge(
         return False
     rows, spins = particles.rows, particles.spins
     note_pair_before(tallies, fields, model, rows, spins, i, j, now)
-    impulse, bound = pass_edge(well, model, rows, particles.bonds, i, j, x, y, z, gn)
-    note_well(tallies, fields, model, rows, spins, i, j, x, y, z, distance, impulse, bound)
+    impulse, bound = pass_edge(well, model, rows, particles.bonds, i, j, n, gn)
+    note_well(tallies, fields, model, rows, spins, i, j, n, distance, impulse, bound)
     return True
 
 
@@ -439,18 +460,19 @@ def _collide(
     x, y, z = nearest(model, rows, i, j)
     distance = np.sqrt(x * x + y * y + z * z)
     x, y, z = x / distance, y / distance, z / distance
+    n = (x, y, z)
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
     speed2 = 0.0
     for k in range(3):
         speed2 += rows[i, SPEED + k] ** 2 + rows[j, SPEED + k] ** 2
     status = PAUSED
-    if not _at_well_edge(model.well, model, particles, tallies, fields, i, j, x, y, z, distance, gn, now) and gn < 0.0:
+    if not _at_well_edge(model.well, model, particles, tallies, fields, i, j, n, distance, gn, now) and gn < 0.0:
         recent = still_in_contact(model.contact_duration, min(age_i, age_j))
         alpha = normal_restitution(model.restitution, recent)
         note_pair_before(tallies, fields, model, rows, spins, i, j, now)
-        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
-        apply_impulse(model, rows, i, j, px, py, pz)
-        note_pair_after(tallies, fields, model, rows, spins, i, j, x, y, z, distance, px, py, pz)
+        impulse = pair_impulse(model.rough, spins, model, rows, i, j, n, gn, alpha, recent)
+        apply_impulse(model, rows, i, j, impulse)
+        note_pair_after(tallies, fields, model, rows, spins, i, j, n, distance, impulse)
         status = REACHED
     ints[i, COUNT] += 1
     if not fixed:
@@ -532,10 +554,12 @@ def _trace_is_full(trace: Any) -> bool:
 
 @kernel
 def advance(
-    model: Any, grid: Any, particles: Any, store: Any, queue: Any, scratch: Any, tallies: Any, fields: Any, counts: Any,
-    trace: Any, progress: Any, clock: float, until: float, instant: float, most_pairs: int, most_changes: int,
+    model: Any, grid: Any, particles: Any, store: Any, queue: Any, scratch: Any, measured: Any, progress: Any,
+    clock: float, limits: Any,
 ) -> tuple[int, float]:  # fmt: skip
-    """Processes events until the time `until`, or one of two counts; why it stopped, and the time then."""
+    """Processes events from the time `clock` on until one of the `limits`; why it stopped, and the time then."""
+    tallies, fields, counts, trace = measured
+    until, instant, most_pairs, most_changes = limits
     rows, ints, own = particles.rows, particles.ints, particles.own
     now, status = clock, REACHED
     pairs, events, changes = progress[PAIRS], progress[EVENTS], progress[CHANGES]

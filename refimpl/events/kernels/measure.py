@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refimpl.events.kernels.compiled import inline_internal, kernel
+from refimpl.events.model import Vector
 from refimpl.events.prediction import contact_distance, field_along, radius_of
 
 #: Entries of `Tallies.sums`.
@@ -118,12 +119,13 @@ def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
 
 @inline_internal
 def note_pair_after(
-    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
-    distance: float, px: float, py: float, pz: float,
+    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, n: Vector, distance: float,
+    impulse: Vector,
 ) -> None:  # fmt: skip
-    """After a collision that gave the momentum p to j; (x, y, z) is the normal."""
+    """After a collision that gave the momentum `impulse` to j; n is the normal."""
     if tallies is not None:
         sums = tallies.sums
+        (x, y, z), (px, py, pz) = n, impulse
         lost_i = sums[BEFORE] - _translational_energy(model, rows, i) - _rotational_energy(model.rough, spins, model, i)
         lost_j = (
             sums[OTHER_BEFORE]
@@ -135,13 +137,13 @@ def note_pair_after(
         sums[VIRIAL] += distance * (px * x + py * y + pz * z)
         sums[DISSIPATED] += lost_i + lost_j
         sums[ENERGY] -= lost_i + lost_j
-        _pair_fields(fields, model, rows, i, j, x, y, z, distance, px, py, pz, lost_i, lost_j, lost_i + lost_j, 1)
+        _pair_fields(fields, model, rows, i, j, n, distance, impulse, (lost_i, lost_j), lost_i + lost_j, 1)
 
 
 @inline_internal
 def note_well(
-    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
-    distance: float, impulse: float, bound: float,
+    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, n: Vector, distance: float,
+    impulse: float, bound: float,
 ) -> None:  # fmt: skip
     """After an event at the edge of a well; bound: energy by which the pair is bound more than before."""
     if tallies is not None:
@@ -156,10 +158,8 @@ def note_well(
         sums[ENERGY] -= lost_i + lost_j
         sums[WELLS] -= bound
         half = 0.5 * bound
-        _pair_fields(
-            fields, model, rows, i, j, x, y, z, distance, impulse * x, impulse * y, impulse * z, lost_i + half,
-            lost_j + half, 0.0, 0,
-        )  # fmt: skip
+        vector = (impulse * n[0], impulse * n[1], impulse * n[2])
+        _pair_fields(fields, model, rows, i, j, n, distance, vector, (lost_i + half, lost_j + half), 0.0, 0)
 
 
 # -- walls -----------------------------------------------------------------------------------------
@@ -322,14 +322,15 @@ def _next(fields: Any, place: int, axis: int, up: int) -> int:
 
 @inline_internal
 def _pair_fields(
-    fields: Any, model: Any, rows: Any, i: int, j: int, x: float, y: float, z: float, distance: float, px: float,
-    py: float, pz: float, lost_i: float, lost_j: float, lost: float, collision: int,
+    fields: Any, model: Any, rows: Any, i: int, j: int, n: Vector, distance: float, impulse: Vector,
+    losses: tuple[float, float], lost: float, collision: int,
 ) -> None:  # fmt: skip
     """Momentum and energy go from i to j along the line of centres, through the faces that it crosses.
 
     Irving and Kirkwood, J. Chem. Phys. 18, 817 (1950). Each partner's cell bears half of what is dissipated.
     """
     if fields is not None:
+        (x, y, z), (px, py, pz), (lost_i, lost_j) = n, impulse, losses
         here, there = _place(fields, i), _place(fields, j)
         fields.dissipation[here] += 0.5 * lost
         fields.dissipation[there] += 0.5 * lost

@@ -109,8 +109,8 @@ def collide(event: Impact, recent: bool = False) -> np.ndarray:
     model, n = event.model, event.n
     gn = (event.rows[1, 3:6] - event.rows[0, 3:6]) @ n
     alpha = normal_restitution(model.restitution, recent)
-    p = pair_impulse(model.rough, event.spins, model, event.rows, 0, 1, *n, gn, alpha, recent)
-    apply_impulse(model, event.rows, 0, 1, *p)
+    p = pair_impulse(model.rough, event.spins, model, event.rows, 0, 1, tuple(n.tolist()), gn, alpha, recent)
+    apply_impulse(model, event.rows, 0, 1, p)
     return np.array(p)
 
 
@@ -189,8 +189,8 @@ def test_a_fixed_particle_stays() -> None:
     model = hard_spheres(lengths=(9.0,) * 3, periodic=(True,) * 3, masses=[1.0, math.inf])
     rows = np.zeros((2, 8))
     rows[0, 3:6], rows[1, 0] = [1.0, 0.5, 0.0], 1.0
-    p = pair_impulse(None, None, model, rows, 0, 1, 1.0, 0.0, 0.0, -1.0, 1.0, False)
-    apply_impulse(model, rows, 0, 1, *p)
+    p = pair_impulse(None, None, model, rows, 0, 1, (1.0, 0.0, 0.0), -1.0, 1.0, False)
+    apply_impulse(model, rows, 0, 1, p)
     np.testing.assert_array_equal(rows[:, 3:6], [[-1.0, 0.5, 0.0], [0.0, 0.0, 0.0]])
 
 
