@@ -34,16 +34,19 @@ def _step(self: Any, force: Any, r: Any, v: Any, memory: Any, dt: Any) -> Any:
 
 
 @njit(cache=True, error_model="numpy")
-def _advance(scheme, force, r, v, memory, dt, first, last, every, positions, velocities, thermo):  # type: ignore[no-untyped-def]
+def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # type: ignore[no-untyped-def]
     """Steps first + 1 ... last; a sample after every step whose number is a multiple of `every`.
 
-    Returns the state, the number of the last good step and the force's status; a failed step changes nothing.
+    state: (r, v, memory). frames: (positions, velocities), (samples, coordinates) both, or empty. thermo: (samples, 3)
+    or None. Returns the state, the number of the last good step and the force's status; a failed step changes nothing.
     """
+    r, v, memory = state
+    positions, velocities = frames
     for number in range(first + 1, last + 1):
         r_new, v_new, memory_new = step(scheme, force, r, v, memory, dt)
         outcome = status(force)
         if outcome != GOOD:
-            return r, v, memory, number - 1, outcome
+            return (r, v, memory), number - 1, outcome
         if number % every == 0:
             sample = number // every
             # empty, not None, where they are not asked for: one compiled loop for both, and a test a sample
@@ -55,9 +58,9 @@ def _advance(scheme, force, r, v, memory, dt, first, last, every, positions, vel
                 thermo[sample, 1], thermo[sample, 2] = energy_and_virial(force, r_new)
                 # not every scheme has had the force at r_new before
                 if status(force) == NEEDS_CAPACITY:
-                    return r, v, memory, number - 1, NEEDS_CAPACITY
+                    return (r, v, memory), number - 1, NEEDS_CAPACITY
         r, v, memory = r_new, v_new, memory_new
-    return r, v, memory, last, GOOD
+    return (r, v, memory), last, GOOD
 
 
 def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Any]:
@@ -111,7 +114,7 @@ def compile_steps(scheme: str, force: Any, r: np.ndarray, v: np.ndarray, dt: flo
     record = SCHEMES[scheme].record
     memory = record.start(force, r, v, dt)
     frames = np.empty((0, r.size))
-    _advance(record, force, r, v, memory, dt, 0, 0, 1, frames, frames, np.empty((1, 3)) if thermo else None)
+    _advance(record, force, (r, v, memory), dt, 0, 0, 1, (frames, frames), np.empty((1, 3)) if thermo else None)
 
 
 def integrate(
@@ -167,8 +170,8 @@ def integrate(
 
     done = 0
     while outcome != DIVERGED and done < steps:
-        r, v, memory, done, outcome = _advance(
-            record, force, r, v, memory, dt, done, steps, every, positions, velocities, energies
+        (r, v, memory), done, outcome = _advance(
+            record, force, (r, v, memory), dt, done, steps, every, (positions, velocities), energies
         )
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
         if larger is not None:

@@ -350,12 +350,12 @@ def _lists_are_valid(  # type: ignore[no-untyped-def]
     # numba prunes a test for None only if it stands alone.
     if walls is not None:  # noqa: SIM102
         if not between_walls(lists.sides, lengths, r):
-            lists.state[STATUS] = DIVERGED
+            lists.bookkeeping[STATUS] = DIVERGED
             return False
     if update(lists, r) != GOOD:
         return False
-    if counters[LIST_BUILDS] != lists.state[BUILDS]:
-        counters[LIST_BUILDS] = lists.state[BUILDS]
+    if counters[LIST_BUILDS] != lists.bookkeeping[BUILDS]:
+        counters[LIST_BUILDS] = lists.bookkeeping[BUILDS]
         if species is not None:
             _copy_parameters_to_slots(lists, species, species_epsilon, species_sigma, slot_size, slot_strength)
     return True
@@ -437,7 +437,7 @@ def _kinetic_energy(force: LennardJones, v: np.ndarray) -> float:
 
 @implements(status, LennardJones)
 def _status(force: LennardJones) -> int:
-    return force.neighbours.state[STATUS]
+    return force.neighbours.bookkeeping[STATUS]
 
 
 @implements(enlarge, LennardJones)

@@ -31,7 +31,7 @@ from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
 from refimpl.stepping.kernels.compiled import inline_internal, internal
 from refimpl.stepping.kernels.simd import WIDTH, any_lane, load, load_splat, splat
 
-#: Indices of `Neighbours.state`.
+#: Indices of `Neighbours.bookkeeping`.
 STATUS = 0  # of the last `update`
 VALID = 1  # 1 when the wide lists belong to the positions in `built`
 BUILDS = 2  # number of builds of the wide lists so far
@@ -64,7 +64,7 @@ class Neighbours(NamedTuple):
     wide_first and wide_entries likewise.
     start, image_offset: slots of the cells and of their images. blocks: (first slot, number of slots) of each run of
     consecutive slots that has an image, with its displacement in block_shift.
-    state: counters and capacities, see STATUS and the names after it.
+    bookkeeping: counters and capacities, see STATUS and the names after it.
     """
 
     sides: tuple[float, ...]
@@ -84,7 +84,7 @@ class Neighbours(NamedTuple):
     image_offset: np.ndarray
     blocks: np.ndarray
     block_shift: np.ndarray
-    state: np.ndarray
+    bookkeeping: np.ndarray
 
 
 class _Axis(NamedTuple):
@@ -155,20 +155,20 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
         image_offset=np.zeros(3 * columns, dtype=np.int64),
         blocks=np.zeros(2 * 3 * columns, dtype=np.int64),
         block_shift=np.zeros(3 * 3 * columns),
-        state=np.zeros(7, dtype=np.int64),
+        bookkeeping=np.zeros(7, dtype=np.int64),
     )
 
 
 def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
     """The same lists, not valid yet, with room for what the last `update` lacked, and a quarter more."""
     dimension = len(neighbours.sides)
-    state = neighbours.state.copy()
-    state[VALID] = 0
-    blocks = max(len(neighbours.blocks) // 2, int(1.25 * state[BLOCKS]) + 8)
-    slots = max(len(neighbours.packed) // _record(dimension), int(1.25 * state[SLOTS]) + 8)
+    bookkeeping = neighbours.bookkeeping.copy()
+    bookkeeping[VALID] = 0
+    blocks = max(len(neighbours.blocks) // 2, int(1.25 * bookkeeping[BLOCKS]) + 8)
+    slots = max(len(neighbours.packed) // _record(dimension), int(1.25 * bookkeeping[SLOTS]) + 8)
     entries = len(neighbours.entries)
-    if state[ENTRIES] > entries:
-        entries = max(2 * entries, int(1.25 * state[ENTRIES]))
+    if bookkeeping[ENTRIES] > entries:
+        entries = max(2 * entries, int(1.25 * bookkeeping[ENTRIES]))
     return neighbours._replace(
         packed=np.zeros(slots * _record(dimension)),
         entries=np.zeros(entries, dtype=np.uint32),
@@ -176,7 +176,7 @@ def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
         image_offset=np.zeros(blocks, dtype=np.int64),
         blocks=np.zeros(2 * blocks, dtype=np.int64),
         block_shift=np.zeros(3 * blocks),
-        state=state,
+        bookkeeping=bookkeeping,
     )
 
 
@@ -195,9 +195,9 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
     """
     if r.size != neighbours.built.size:
         raise ValueError("r must hold number * dimension coordinates")
-    state = neighbours.state
-    state[STATUS] = GOOD
-    if state[VALID] == 1:
+    bookkeeping = neighbours.bookkeeping
+    bookkeeping[STATUS] = GOOD
+    if bookkeeping[VALID] == 1:
         still_close = _refresh(neighbours, r)
         _copy_images(neighbours)
         if still_close:
@@ -205,12 +205,12 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
         if _moved_less(neighbours, 0.5 * (1 - CLOSE) * neighbours.skin):
             _prune(neighbours)
             return GOOD
-    state[VALID] = 0
-    state[STATUS] = _build(neighbours, r)
-    if state[STATUS] == GOOD:
-        state[VALID] = 1
+    bookkeeping[VALID] = 0
+    bookkeeping[STATUS] = _build(neighbours, r)
+    if bookkeeping[STATUS] == GOOD:
+        bookkeeping[VALID] = 1
         _prune(neighbours)
-    return state[STATUS]
+    return bookkeeping[STATUS]
 
 
 @internal
@@ -287,7 +287,7 @@ def _prune(neighbours: Neighbours) -> None:
             entries[found] = j
             found += any_lane(_distance2(packed, neighbours.sides, np.int64(j), xi, yi, zi) < reach2)
     first[len(first) - 1] = found
-    neighbours.state[PRUNES] += 1
+    neighbours.bookkeeping[PRUNES] += 1
 
 
 @internal
@@ -296,7 +296,7 @@ def _copy_images(neighbours: Neighbours) -> None:
     dimension = len(neighbours.sides)
     record = _record(dimension)
     image = len(neighbours.first) * WIDTH - WIDTH
-    for block in range(neighbours.state[BLOCKS]):
+    for block in range(neighbours.bookkeeping[BLOCKS]):
         source, count = blocks[2 * block], blocks[2 * block + 1]
         for i in range(count):
             for k in range(dimension):
@@ -310,7 +310,7 @@ def copy_to_slots(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray)
     for slot in range(len(neighbours.order)):
         slots[slot] = values[neighbours.order[slot]]
     image = len(neighbours.first) * WIDTH - WIDTH
-    for block in range(neighbours.state[BLOCKS]):
+    for block in range(neighbours.bookkeeping[BLOCKS]):
         source, count = neighbours.blocks[2 * block], neighbours.blocks[2 * block + 1]
         for i in range(count):
             slots[image + i] = slots[source + i]
@@ -331,7 +331,7 @@ def _build(neighbours: Neighbours, r: np.ndarray) -> int:
     _copy_images(neighbours)
     if not _fill_lists(neighbours, grid):
         return NEEDS_CAPACITY
-    neighbours.state[BUILDS] += 1
+    neighbours.bookkeeping[BUILDS] += 1
     return GOOD
 
 
@@ -465,14 +465,14 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
 @internal
 def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
     """Which slots are imaged, where to and by how much; False if the arrays are too small."""
-    sides, start, state = neighbours.sides, neighbours.start, neighbours.state
+    sides, start, bookkeeping = neighbours.sides, neighbours.start, neighbours.bookkeeping
     image_offset, blocks, block_shift = neighbours.image_offset, neighbours.blocks, neighbours.block_shift
     dimension = len(sides)
     end = len(neighbours.first) * WIDTH - WIDTH
     block = 0
     columns = (grid.a.cells + 2 * grid.a.around) * (grid.b.cells + 2 * grid.b.around)
     if 3 * columns > len(image_offset) or 6 * columns > len(blocks):
-        state[BLOCKS] = 3 * columns
+        bookkeeping[BLOCKS] = 3 * columns
         return False
     position = 0
     for a in range(-grid.a.around, grid.a.cells + grid.a.around):
@@ -494,8 +494,8 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
                     end += source_end - source
                     block += 1
                 position += 1
-    state[BLOCKS] = block
-    state[SLOTS] = end
+    bookkeeping[BLOCKS] = block
+    bookkeeping[SLOTS] = end
     return end * _record(dimension) <= len(neighbours.packed)
 
 
@@ -546,14 +546,14 @@ def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
                     slot += image_offset[position + shift_c + 1]
                     end += image_offset[position + shift_c + 1]
                     if found + end - slot > len(entries):
-                        neighbours.state[ENTRIES] = found + end - slot
+                        neighbours.bookkeeping[ENTRIES] = found + end - slot
                         return False
                     for j in range(slot, end):
                         entries[found] = j
                         near = any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
                         found += near & (j // WIDTH != tile)
     first[len(first) - 1] = found
-    neighbours.state[ENTRIES] = found
+    neighbours.bookkeeping[ENTRIES] = found
     return True
 
 
