@@ -1,7 +1,18 @@
-"""What happens at a contact: momentum is exchanged at once (SPEC E1-E6). The naive algorithm and the fast one share it.
+"""What happens at a contact: momentum is exchanged at once. The naive algorithm and the fast one share these rules.
 
-Rows hold x 0-2, v 3-5 and the particle's own time 6; in two dimensions the third components are zero, and only the
-third of the angular velocity is not. n is the unit vector from i to j (from the particle to the wall).
+Arguments that are the same throughout: model: `HardSpheres`. rows: (N, 7 or 8), a particle's position 0-2, velocity 3-5
+and the time of that state 6; in two dimensions the third components are zero. spins: (N, 3) angular velocities, or None
+of smooth particles; in two dimensions only the third is not zero. i, j: numbers of particles. n: the unit vector from i
+to j, or from the particle to the wall. gn: relative normal velocity (v_j - v_i).n. rough, walls, cylinder, well: the
+records of `refimpl.events.model`, or None. mass: of every particle. inverse_masses: (N,), or None where all are alike;
+0 for a fixed particle. bonds: see `refimpl.events.prediction`. recent: whether the TC model makes this collision
+elastic. alpha: coefficient of normal restitution. face: 2 axis + (0 for the lower, 1 for the upper wall). now: the
+time, on the clock of the walls' phases. seed, count: of random walls, and collisions of the particle so far. Units: any
+consistent set. `spins`, `bonds` and `seed` are typed Any: numba prunes by `rough`, `well` and the kind of wall.
+
+Literature: J. T. Jenkins and M. W. Richman, Phys. Fluids 28, 3485 (1985); O. R. Walton, in Particulate Two-Phase Flow
+(ed. M. C. Roco), 884 (1993); S. F. Foerster et al., Phys. Fluids 6, 1108 (1994) (friction); S. Luding and S. McNamara,
+Granul. Matter 1, 113 (1998) (time in contact); B. J. Alder and T. E. Wainwright, J. Chem. Phys. 31, 459 (1959) (wells).
 """
 
 from __future__ import annotations
@@ -26,7 +37,13 @@ from refimpl.events.model import (
     THERMAL,
     UNIFORM_PHASE,
     VELOCITY,
+    CylinderWall,
+    Floats,
+    HardSpheres,
+    PlaneWalls,
+    Rough,
     Vector,
+    Well,
 )
 from refimpl.events.prediction import bonded, contact_distance, radius_of
 from refimpl.random_bits import GAMMA, mix64
@@ -38,7 +55,7 @@ _S11 = np.uint64(11)
 def random_uniform(seed: Any, particle: int, count: int, draw: int) -> float:
     """Uniform in (0, 1), a function of its arguments alone: no order of events, no scheduler enters.
 
-    SplitMix64's mixing (Steele, Lea and Flood, OOPSLA 2014) of the seed, the particle, its collision count, the draw.
+    The hash of `refimpl.random_bits` of the seed (uint64), the particle, its collision count and the draw.
     """
     z = mix64(np.uint64(seed) + np.uint64(particle + 1) * GAMMA)
     z = mix64(z + np.uint64(count + 1) * GAMMA)
@@ -47,15 +64,15 @@ def random_uniform(seed: Any, particle: int, count: int, draw: int) -> float:
 
 
 @inline
-def inverse_mass(mass: float, inverse_masses: Any, i: int) -> float:
-    """1/m_i."""
+def inverse_mass(mass: float, inverse_masses: Floats | None, i: int) -> float:
+    """1/m_i; 0 for a fixed particle."""
     if inverse_masses is None:
         return 1.0 / mass
     return inverse_masses[i]
 
 
 @inline
-def reduced_mass(mass: float, inverse_masses: Any, i: int, j: int) -> float:
+def reduced_mass(mass: float, inverse_masses: Floats | None, i: int, j: int) -> float:
     """m_i m_j/(m_i + m_j)."""
     if inverse_masses is None:
         return 0.5 * mass
@@ -63,15 +80,15 @@ def reduced_mass(mass: float, inverse_masses: Any, i: int, j: int) -> float:
 
 
 @inline
-def is_fixed(inverse_masses: Any, i: int) -> bool:
-    """Whether the particle is a scatterer of infinite mass."""
+def is_fixed(inverse_masses: Floats | None, i: int) -> bool:
+    """Whether the particle is a fixed scatterer, of infinite mass."""
     if inverse_masses is None:
         return False
     return inverse_masses[i] == 0.0
 
 
 @inline
-def apply_impulse(model: Any, rows: Any, i: int, j: int, impulse: Vector) -> None:
+def apply_impulse(model: HardSpheres, rows: Floats, i: int, j: int, impulse: Vector) -> None:
     """Particle j gets the momentum `impulse`, i loses it."""
     px, py, pz = impulse
     one = inverse_mass(model.mass, model.inverse_masses, i)
@@ -85,16 +102,22 @@ def apply_impulse(model: Any, rows: Any, i: int, j: int, impulse: Vector) -> Non
 
 
 @inline
-def normal_restitution(restitution: Any, recent: bool) -> float:
-    """alpha; 1 for elastic grains, and in the TC model for grains that have collided just before."""
+def normal_restitution(restitution: float | None, recent: bool) -> float:
+    """alpha; 1 for elastic grains, and in the TC model for grains that have collided just before.
+
+    restitution: of the model, None for elastic grains.
+    """
     if restitution is None:
         return 1.0
     return 1.0 if recent else restitution
 
 
 @inline
-def still_in_contact(contact_duration: Any, age: float) -> bool:
-    """TC model (Luding and McNamara 1998): the last collision is less than t_c ago."""
+def still_in_contact(contact_duration: float | None, age: float) -> bool:
+    """TC model (Luding and McNamara 1998): the last collision is less than t_c ago.
+
+    contact_duration: t_c, or None. age: time since the last collision.
+    """
     if contact_duration is None:
         return False
     return age < contact_duration
@@ -104,10 +127,13 @@ def still_in_contact(contact_duration: Any, age: float) -> bool:
 def tangential_impulse(
     normal: float, mass: float, slip: float, alpha_t: float, static: float, sliding: float, inertia: float
 ) -> float:
-    """Factor of the contact's slip velocity in the tangential impulse on j (SPEC E2, impulse form).
+    """Factor of the contact's slip velocity v_ct in the tangential impulse on j.
 
     Sticking: v'_ct = alpha_t v_ct, |J_t| = (1 - alpha_t) q/(1 + q) mu |v_ct|; if that exceeds mu_s J_n, sliding:
     |J_t| = mu_k J_n. Walton (1993); Foerster et al., Phys. Fluids 6, 1108 (1994).
+
+    normal: normal impulse J_n > 0. mass: reduced mass mu. slip: |v_ct| > 0. alpha_t: tangential restitution. static,
+    sliding: mu_s and mu_k. inertia: q in I = q m R^2.
     """
     stick = (1.0 - alpha_t) * inertia / (1.0 + inertia) * mass
     if stick * slip > static * normal:
@@ -117,9 +143,21 @@ def tangential_impulse(
 
 @inline
 def pair_impulse(
-    rough: Any, spins: Any, model: Any, rows: Any, i: int, j: int, n: Vector, gn: float, alpha: float, recent: bool
+    rough: Rough | None,
+    spins: Any,
+    model: HardSpheres,
+    rows: Floats,
+    i: int,
+    j: int,
+    n: Vector,
+    gn: float,
+    alpha: float,
+    recent: bool,
 ) -> Vector:
-    """Momentum that j gets and i loses, for the relative normal velocity gn = (v_j - v_i).n < 0. Turns the spins."""
+    """Momentum that j gets and i loses, for gn < 0; the spins are changed.
+
+    Normal part -(1 + alpha) gn mu along n, mu the reduced mass; tangential part as `tangential_impulse`.
+    """
     nx, ny, nz = n
     mass = reduced_mass(model.mass, model.inverse_masses, i, j)
     normal = -(1.0 + alpha) * gn * mass
@@ -158,10 +196,10 @@ def _turn_spin(spins: Any, i: int, inertia: float, inverse: float, radius: float
 
 @kernel
 def well_velocity(gn: float, inside: bool, twice_depth: float) -> tuple[float, bool]:
-    """Normal velocity after a pair meets the edge of its well, and whether it is inside then (SPEC E6).
+    """Normal velocity after a pair meets the edge of its well, and whether it is inside then.
 
-    twice_depth: 2 eps/mu, with mu the reduced mass. Inwards: g'^2 = g^2 + 2 eps/mu (a shoulder, eps < 0, may reflect);
-    outwards: g'^2 = g^2 - 2 eps/mu, or reflection where that is negative.
+    inside: whether it was. twice_depth: 2 eps/mu, eps the depth and mu the reduced mass. Inwards: g'^2 = g^2 + 2 eps/mu
+    (a shoulder, eps < 0, may reflect); outwards: g'^2 = g^2 - 2 eps/mu, or reflection where that is negative.
     """
     square = gn * gn + (-twice_depth if inside else twice_depth)
     if square < 0.0:
@@ -170,9 +208,10 @@ def well_velocity(gn: float, inside: bool, twice_depth: float) -> tuple[float, b
 
 
 @kernel
-def wall_velocity(numbers: Any, motion: int, now: float, v: float, seed: int, i: int, count: int) -> float:
+def wall_velocity(numbers: Floats, motion: int, now: float, v: float, seed: int, i: int, count: int) -> float:
     """The wall's own normal velocity V, into the box, that a particle with normal velocity v (< 0) meets.
 
+    numbers, motion: of the wall, see `PlaneWalls`.
     Steady: its constant. Oscillating: -A omega sin(omega t + phase). Uniform random phase: V = V0 cos(phi), of those
     walls that the particle does approach. Flux: phi with weight V - v, as arrivals at a small fast oscillation have.
     """
@@ -193,7 +232,10 @@ def wall_velocity(numbers: Any, motion: int, now: float, v: float, seed: int, i:
 
 @kernel
 def thermal_velocity(temperature: float, inverse: float, seed: int, i: int, count: int) -> Vector:
-    """Velocity from the flux of a gas: normal sqrt(-2 T/m ln u), two tangential components Gaussian of variance T/m."""
+    """Velocity from the flux of a gas: normal sqrt(-2 T/m ln u), two tangential components Gaussian of variance T/m.
+
+    temperature: T, energy. inverse: 1/m.
+    """
     width = math.sqrt(temperature * inverse)
     normal = width * math.sqrt(-2.0 * math.log(random_uniform(seed, i, count, 0)))
     size = width * math.sqrt(-2.0 * math.log(random_uniform(seed, i, count, 1)))
@@ -203,10 +245,19 @@ def thermal_velocity(temperature: float, inverse: float, seed: int, i: int, coun
 
 @kernel
 def hit_plane(
-    model: Any, walls: Any, rough: Any, seed: Any, rows: Any, spins: Any, i: int, count: int, face: int, now: float,
+    model: HardSpheres,
+    walls: PlaneWalls,
+    rough: Rough | None,
+    seed: Any,
+    rows: Floats,
+    spins: Any,
+    i: int,
+    count: int,
+    face: int,
+    now: float,
     recent: bool,
-) -> None:  # fmt: skip
-    """The rule of a plane wall: v'_n = (1 + alpha) V - alpha v_n, a tangential law, or a thermal wall."""
+) -> None:
+    """The rule of a plane wall: v'_n = (1 + alpha) V - alpha v_n and a tangential law; or a thermal wall."""
     numbers, motion, axis = walls.numbers[face], walls.motion[face], face >> 1
     inwards = 1.0 if face & 1 == 0 else -1.0
     inverse = inverse_mass(model.mass, model.inverse_masses, i)
@@ -244,7 +295,7 @@ def _thermal(seed: Any, temperature: float, inverse: float, i: int, count: int) 
 
 
 @inline
-def _own_velocity(seed: Any, numbers: Any, motion: int, now: float, v: float, i: int, count: int) -> float:
+def _own_velocity(seed: Any, numbers: Floats, motion: int, now: float, v: float, i: int, count: int) -> float:
     if seed is None:
         return wall_velocity(numbers, motion, now, v, 0, i, count)
     return wall_velocity(numbers, motion, now, v, seed, i, count)
@@ -252,9 +303,17 @@ def _own_velocity(seed: Any, numbers: Any, motion: int, now: float, v: float, i:
 
 @inline
 def _wall_friction(
-    model: Any, rough: Any, rows: Any, spins: Any, i: int, n: Vector, u: Vector, normal: float, law: Vector,
+    model: HardSpheres,
+    rough: Rough | None,
+    rows: Floats,
+    spins: Any,
+    i: int,
+    n: Vector,
+    u: Vector,
+    normal: float,
+    law: Vector,
     recent: bool,
-) -> None:  # fmt: skip
+) -> None:
     """Tangential impulse of a wall whose surface moves with velocity u, on a grain that can turn; n is towards it.
 
     normal: the normal impulse. law: tangential restitution, static and sliding coefficient of friction.
@@ -282,8 +341,10 @@ def _wall_friction(
 
 
 @kernel
-def hit_cylinder(model: Any, cylinder: Any, rough: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
-    """The rule of the circular wall, which turns about the box's middle: u = Omega x r at its surface."""
+def hit_cylinder(
+    model: HardSpheres, cylinder: CylinderWall, rough: Rough | None, rows: Floats, spins: Any, i: int, recent: bool
+) -> None:
+    """The rule of the cylinder, which turns about the middle of the box: u = Omega x r at its surface."""
     first, second = cylinder.first, cylinder.second
     rx = rows[i, first] - 0.5 * model.lengths[first]
     ry = rows[i, second] - 0.5 * model.lengths[second]
@@ -329,8 +390,8 @@ def _unbind(bonds: Any, i: int, j: int) -> None:
 
 
 @inline
-def at_edge(well: Any, model: Any, i: int, j: int, distance2: float) -> bool:
-    """Whether a pair that has an event at this distance, squared, is at the edge of its well, not at its core."""
+def at_edge(well: Well | None, model: HardSpheres, i: int, j: int, distance2: float) -> bool:
+    """Whether a pair that has an event is at the edge of its well, not at its core; distance2: squared distance."""
     if well is None:
         return False
     middle = 0.5 * (1.0 + well.range) * contact_distance(model.diameter, model.radii, i, j)
@@ -339,7 +400,7 @@ def at_edge(well: Any, model: Any, i: int, j: int, distance2: float) -> bool:
 
 @inline
 def pass_edge(
-    well: Any, model: Any, rows: Any, bonds: Any, i: int, j: int, n: Vector, gn: float
+    well: Well | None, model: HardSpheres, rows: Floats, bonds: Any, i: int, j: int, n: Vector, gn: float
 ) -> tuple[float, float]:
     """The rule at the edge of a well: impulse along the normal n, and energy that binds the pair more."""
     if well is None:
@@ -360,7 +421,15 @@ def pass_edge(
 
 @inline
 def at_plane(
-    model: Any, walls: Any, rows: Any, spins: Any, i: int, count: int, face: int, now: float, recent: bool
+    model: HardSpheres,
+    walls: PlaneWalls | None,
+    rows: Floats,
+    spins: Any,
+    i: int,
+    count: int,
+    face: int,
+    now: float,
+    recent: bool,
 ) -> None:
     """`hit_plane`, where there are walls."""
     if walls is not None:
@@ -368,7 +437,9 @@ def at_plane(
 
 
 @inline
-def at_cylinder(model: Any, cylinder: Any, rows: Any, spins: Any, i: int, recent: bool) -> None:
+def at_cylinder(
+    model: HardSpheres, cylinder: CylinderWall | None, rows: Floats, spins: Any, i: int, recent: bool
+) -> None:
     """`hit_cylinder`, where there is one."""
     if cylinder is not None:
         hit_cylinder(model, cylinder, model.rough, rows, spins, i, recent)

@@ -1,4 +1,4 @@
-"""Event-driven dynamics of hard disks and spheres: the state, its memory, and the calls of the compiled loop.
+"""Event-driven dynamics of hard disks and spheres: the state, its arrays, and the calls of the compiled loop.
 
     model = hard_spheres(lengths=(10.0, 10.0), periodic=(True, True))
     simulation = Simulation(model, positions, velocities)
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from refimpl.events.kernels import loop, measure, neighbours, schedule
-from refimpl.events.model import FREQUENCY, PHASE, Floats, HardSpheres
+from refimpl.events.model import FREQUENCY, PHASE, Floats, HardSpheres, Well
 from refimpl.events.prediction import NEVER
 from refimpl.events.state import (
     TOLERANCE,
@@ -34,23 +34,29 @@ from refimpl.events.state import (
 
 Scheduler = Literal["tree", "lists", "calendar"]
 
-#: Events between two renewals of the clock's base, per particle; the renewal costs about one prediction each.
+#: Events per particle after which the clock gets a new base; that costs about one prediction a particle.
 REBASE_INTERVAL = 64
-#: Wait for a particle's next event that the calendar expects, in passages of a cell.
+#: Mean wait for a particle's next event that the calendar is laid out for, in times to cross a cell.
 EXPECTED_WAIT = 0.25
-#: Share of a cell's spare width that its overlap takes.
+#: Share of the width of a cell beyond the contact range that is given to its overlap with its neighbours.
 OVERLAP = 0.999
 
 
 class Simulation:
-    """Hard particles of `model` from the given state.
+    """Hard particles of `model` from the given state, by the asynchronous event-driven algorithm with cells.
 
     positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; zero by default; only
-    with friction. scheduler: "tree" (earliest event of each particle, complete binary tree), "lists" (the documented
-    one: a list of events per owner, complete binary tree), "calendar" (earliest events in a calendar queue). All three
-    give the same events, to the last bit. tallies: measure averages and event observables. fields: cells along each
-    axis for the hydrodynamic fields. counting: count operations. trace: keep a list of all changes of state. ValueError
-    names particles that overlap, lie outside the walls, or are not finite.
+    with friction. scheduler: "tree" (earliest event of each particle, complete binary tree), "lists" (a list of events
+    per owner, complete binary tree), "calendar" (earliest events in a calendar queue). All three give the same events,
+    to the last bit. tallies: measure averages and event observables. fields: cells along each axis for the
+    hydrodynamic fields. counting: count operations. trace: keep a list of all changes of state. Units: any consistent
+    set; time is that of the velocities. Raises ValueError that names particles that overlap, lie outside the walls, or
+    are not finite, and cells of the fields that are smaller than the contact range.
+
+    Attributes: model; number N and dimension d; stopped: "", or what ended the run for good.
+
+    Literature: M. Marin, D. Risso and P. Cordero, J. Comput. Phys. 103, 306 (1993) (lists and tree); G. Paul, J.
+    Comput. Phys. 221, 615 (2007) (calendar); B. D. Lubachevsky, J. Comput. Phys. 94, 255 (1991) (one event a particle).
     """
 
     def __init__(
@@ -93,7 +99,7 @@ class Simulation:
         self._sort_into_cells()
         self._refuse_overlap()
         if model.well is not None:
-            self._find_bonds()
+            self._find_bonds(model.well)
         self._tallies = self._fields = None
         if tallies or fields is not None:
             faces = 2 * d + (model.cylinder is not None)
@@ -107,10 +113,10 @@ class Simulation:
     # -- running -----------------------------------------------------------------------------------
 
     def run(self, until: float = math.inf, collisions: int | None = None) -> None:
-        """To the time `until`, or until there have been so many pair collisions since the start: what is sooner.
+        """Runs to the time `until`, or to the number `collisions` of pair collisions since the start: what is sooner.
 
-        An inelastic collapse ends the run earlier and for good: see `stopped`. ValueError if neither is given, or for a
-        time that is over.
+        An inelastic collapse ends the run earlier and for good: see `stopped`. Raises ValueError if neither is given,
+        or for a time before the present one.
         """
         if until == math.inf and collisions is None:
             raise ValueError("run: give a time, or a number of collisions")
@@ -175,7 +181,7 @@ class Simulation:
         self._repredict_all()
 
     def _enlarge(self, status: int) -> None:
-        """Doubles what the next event has no room in; nothing has happened yet."""
+        """Doubles the array that is too small for the next event; no part of that event has been applied."""
         particles = self._particles
         if status == loop.CELL_FULL:
             self._widen_cells()
@@ -193,7 +199,7 @@ class Simulation:
         self._scratch = _scratch(self.dimension, cells.shape[1])
 
     def _sort_into_cells(self) -> None:
-        """Wraps everybody into the box, and puts them into cells."""
+        """Wraps all positions into the box, and puts the particles into cells."""
         d, grid, particles = self.dimension, self._grid, self._particles
         ints, rows = particles.ints, self._rows
         for k in range(d):
@@ -214,7 +220,7 @@ class Simulation:
         self._particles.cells[cell[order], slot + 1] = order
 
     def _repredict_all(self) -> None:
-        """Everybody finds its events anew, at the present."""
+        """Marks all particles for a prediction of all their events at the current time."""
         self._instant = self._shortest_time()
         self._progress[loop.ASLEEP] = 0
         mobile = np.full(self.number, True) if self.model.inverse_masses is None else self.model.inverse_masses > 0
@@ -252,18 +258,18 @@ class Simulation:
         if gap < -TOLERANCE * self.model.diameter:
             raise ValueError(f"particles {one} and {other} overlap by {-gap:.6g}: move them apart")
 
-    def _find_bonds(self) -> None:
+    def _find_bonds(self, well: Well) -> None:
         slots = 32 if self.dimension == 3 else 16
         while True:
             bonds = np.zeros((self.number, slots), np.int32)
             radii = radii_of(self.model, self.number)
-            if neighbours.find_bonds(radii, self.model.well.range, bonds, *self._geometry()):
+            if neighbours.find_bonds(radii, well.range, bonds, *self._geometry()):
                 break
             slots *= 2
         self._particles = self._particles._replace(bonds=bonds)
 
     def _geometry(self) -> tuple[Any, ...]:
-        """What distances between neighbours need: positions in their cells' frame, cells, the box."""
+        """Arguments of `kernels.neighbours`: positions in the frame of the cells, the cells, the box."""
         d, grid = self.dimension, self._grid
         x, lengths = np.zeros((self.number, 3)), np.ones(3)
         lengths[:d] = self.model.lengths
@@ -284,10 +290,11 @@ class Simulation:
             sums[measure.RISE] = masses @ v @ field
             sums[measure.PULL] = masses.sum() * np.dot(field, field)
 
-    # -- looking -----------------------------------------------------------------------------------
+    # -- what is seen from outside -----------------------------------------------------------------------------------
 
     @property
     def time(self) -> float:
+        """The time of the last event, or the one that the run was told to reach."""
         return math.fsum((*self._base, self._now))
 
     @property
@@ -297,7 +304,7 @@ class Simulation:
 
     @property
     def events(self) -> int:
-        """All events: collisions, walls, wells, cells, and those that were not valid any more."""
+        """All events: collisions, walls, edges of wells, faces of cells, and those that had become invalid."""
         return int(self._progress[loop.EVENTS])
 
     @property
@@ -315,7 +322,7 @@ class Simulation:
         return masses_of(self.model, self.number)
 
     def state(self) -> State:
-        """Everybody at the present; nothing of the simulation is changed."""
+        """The state of all particles at the current time; nothing of the simulation is changed."""
         d = self.dimension
         span = (self._now - self._rows[:, schedule.TIME])[:, None]
         g = np.zeros(d) if self.model.acceleration is None else np.array(self.model.acceleration)
@@ -338,7 +345,7 @@ class Simulation:
         return field_energy(self.model, self.state().positions) + well_energy(self.model, self._particles.bonds)
 
     def smallest_gap(self) -> tuple[float, int, int]:
-        """Between two surfaces, negative for an overlap, and whose."""
+        """(gap, i, j) of the closest pair of surfaces; negative: overlap. Pairs of fixed particles do not count."""
         inverse = self.model.inverse_masses
         fixed = np.zeros(self.number, bool) if inverse is None else inverse == 0
         gap, one, other = neighbours.closest(radii_of(self.model, self.number), fixed, *self._geometry())
@@ -428,7 +435,7 @@ class Simulation:
         state = self.state()
         masses, v, size = self.masses(), state.velocities, math.prod(f.shape)
         energy = kinetic_energies(self.model, state)
-        if self._particles.bonds is not None:
+        if self.model.well is not None:
             energy -= 0.5 * self.model.well.depth * self._particles.bonds[:, 0]
         momentum = [np.bincount(place, masses * v[:, k], size) for k in range(d)]
         return {

@@ -1,12 +1,13 @@
-"""The event loop: cells, asynchronous clocks, prediction, and the rules at each event (SPEC E10-E13).
+"""The event loop: cells, asynchronous clocks, prediction, and the rules at each event.
 
 rows (N, 8): x 0-2, v 3-5 and own time 6 of the last change of state, time of the next pair event 7: one cache line.
-ints (N, 8): partner, its count, own collision count, cell 3-5, kind of the own event 6, streak 7. own (N,): time of the
-next event that concerns the particle alone: a wall, or the edge of its cell.
+ints (N, 8): partner, its collision count at the prediction, own collision count, cell 3-5, kind of the own event 6,
+number of collisions in a row at one instant 7. own (N,): time of the next event of the particle alone: a wall, or a
+face of its cell.
 
-A pair's time is computed from the two states at the later of their own times. It is thus a function of these states
-alone, and the same to the last bit whoever computes it and whenever: every scheduler gives the same events. For this a
-shift by a period must be exact: positions are multiples of `Grid.quantum`.
+The time of a pair's event is computed from the two states at the later of their own times. It is thus a function of
+these states alone, and the same to the last bit from whichever particle and whenever it is computed: every scheduler
+gives the same events. For this a shift by a period must be exact: positions are multiples of `Grid.quantum`.
 """
 
 from typing import Any, NamedTuple
@@ -79,22 +80,23 @@ from refimpl.events.rules import (
 
 #: Why the loop returned.
 REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL = range(8)
-#: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the drum; the start, for all anew.
+#: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the cylinder; all events of the particle
+#: are to be predicted.
 WALL, CYLINDER, REPREDICT = 8, 16, 17
-#: So many collisions in a row, each a rounding of time after the one before, are a collapse; so are a few of them
-#: whose speed of approach is down to this share, squared, of the velocities.
+#: More than COLLAPSE collisions of a particle in a row at one instant are an inelastic collapse; so are more than two
+#: whose relative normal velocity, squared, is below VANISHED times the squared velocities.
 COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
-#: Cells that do not fit into the near caches any more.
+#: More cells than this do not fit into the first two caches.
 MANY = 1 << 14
-#: Entries of `progress`; ASLEEP: the first particle that has not yet looked for its events.
+#: Entries of `progress`; ASLEEP: the first particle whose events have not been predicted yet.
 PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND, ASLEEP = range(7)
 
 
 class Grid(NamedTuple):
     """counts, sides, overlaps, wraps: of the cells along three axes. shifts: (27, 3) periods. quantum: of positions.
 
-    A particle changes its cell only `overlaps` beyond the edge, so that it does not hop to and fro; two particles that
-    are not in neighbouring cells are still further apart than the contact range.
+    A particle changes its cell only `overlaps` beyond the edge, so that it does not change it back at once; two
+    particles that are not in neighbouring cells are still further apart than the contact range.
     """
 
     counts: Any
@@ -183,7 +185,7 @@ def _quantised(x: float, quantum: float) -> float:
 
 @inline_internal
 def _advance_to_now(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
-    """Moves a particle's state to the present."""
+    """Moves a particle's state to the time `now`."""
     s = now - rows[i, TIME]
     for k in range(len(model.lengths)):
         rows[i, k] = _quantised(drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s), grid.quantum)
@@ -203,7 +205,7 @@ def _reach(well: Any) -> float:
 
 @inline_internal
 def _may_have_event(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
-    """Whether a pair may have an event before `within`; without branches."""
+    """Whether a pair may have an event before `within`; computed without branches."""
     if well is None:
         return (b < 0.0) & (disc > 0.0) & (c < -2.0 * b * within)
     return (edge < NEAR) | ((b < 0.0) & (disc_edge > 0.0))
@@ -220,11 +222,11 @@ def _prefetch_radius(radii: Any, i: int) -> None:
 
 @inline_internal
 def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
-    """Finds the events of particle i with those in the cells about it, and gives them to the store.
+    """Predicts the events of particle i with those in its own and the neighbouring cells, for the store.
 
-    layer: a face of its cell beyond which alone to look, or -1 for all cells about it. Three passes without
-    unpredictable branches: gather the numbers of the neighbours; relative motion of all, and which of them matter;
-    times of those.
+    layer: a face of its cell, to search only the cells beyond it, or -1 for all. Three passes without unpredictable
+    branches: gather the numbers of the neighbours; relative motion of all, and which of them may meet i; the times of
+    those events.
     """
     rows, cells = particles.rows, particles.cells
     ids, codes, numbers = scratch.ids, scratch.codes, scratch.numbers
@@ -325,7 +327,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
         if j != i:
             s = contact_distance(diameter, radii, i, j)
             s2 = s * s
-            # points never meet: rounding alone would say when
+            # points have no collisions: their times would be rounding only
             if s > 0.0 and (c > NEAR * s2 or b >= 0.0 or not rests(rows, i, j, b, s2)):
                 span = pair_time(well, particles.bonds, i, j, b, c, w, s2)
                 if span < NEVER:
@@ -348,7 +350,7 @@ def _first_wall(
         for side in range(2):
             face = 2 * k + side
             away = low if side == 0 else high
-            # a cell is at least a diameter deep: a still wall concerns the last one only
+            # a cell is at least a diameter deep: only a particle in the last one can meet a wall that does not move
             reach = walls.numbers[face, AMPLITUDE] + radius if walls.motion[face] == OSCILLATING else 0.0
             if walls.present[face] and (away < reach or away <= 0.0):
                 span = wall_time(model, walls, face, x, v, radius, now, best)
@@ -359,7 +361,7 @@ def _first_wall(
 
 @inline_internal
 def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None:
-    """The next wall, or edge of its cell, that the particle meets."""
+    """Predicts the next wall, or face of its cell, that the particle meets."""
     rows, ints = particles.rows, particles.ints
     s = now - rows[i, TIME]
     best, kind = NEVER, 0
@@ -432,7 +434,7 @@ def _at_well_edge(
     well: Any, model: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, n: Vector, distance: float,
     gn: float, now: float,
 ) -> bool:  # fmt: skip
-    """The event at the edge of a well, if the pair is there."""
+    """Applies the event at the edge of a well, if the pair is there; whether it was."""
     if well is None:
         return False
     if not at_edge(well, model, i, j, distance * distance):
@@ -491,7 +493,7 @@ def _collide(
 
 @inline_internal
 def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
-    """The particle passes a face of its cell, into the next one; False: that is full."""
+    """Moves the particle through a face of its cell into the next one; False, and no change, if that is full."""
     rows, ints, images = particles.rows, particles.ints, particles.images
     face = ints[i, OWN]
     k = face >> 1
@@ -517,7 +519,7 @@ def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int,
 def _hit_wall(
     model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float
 ) -> bool:
-    """The particle hits a wall; True is a collapse."""
+    """Applies the collision of a particle with a wall; True if it is an inelastic collapse."""
     rows, ints, spins = particles.rows, particles.ints, particles.spins
     age = _time_since_collision(rows, ints, i, now)
     _advance_to_now(model, grid, rows, i, now)
@@ -565,7 +567,7 @@ def advance(
     pairs, events, changes = progress[PAIRS], progress[EVENTS], progress[CHANGES]
     interactions, asleep = progress[INTERACTIONS], progress[ASLEEP]
     while True:
-        # all wake at one instant: to ask a queue for the first of many equal times can cost it all of them
+        # at the start all are due at one time, and the calendar would compare all of these for each of them
         if asleep < rows.shape[0]:
             if is_fixed(model.inverse_masses, asleep):
                 asleep += 1
@@ -630,7 +632,7 @@ def advance(
                     status = done
                 if is_fixed(model.inverse_masses, j):
                     j = np.int64(-1)
-        if status == CELL_FULL or status == BONDS_FULL:  # nothing has happened yet
+        if status == CELL_FULL or status == BONDS_FULL:  # the event has not been applied
             break
         events += 1
         changes += 1

@@ -1,6 +1,6 @@
-"""Measurement at events: exact averages, event observables and hydrodynamic fields (SPEC E16-E18).
+"""Measurement at events: exact averages, event observables and hydrodynamic fields.
 
-Every function does nothing, and compiles to nothing, where what it serves is `None`.
+Every function does nothing, and compiles to nothing, where the record that it writes to is `None`.
 """
 
 from typing import Any, NamedTuple
@@ -238,14 +238,14 @@ def _block(fields: Any, i: int, axis: int) -> int:
 
 @inline_internal
 def _place(fields: Any, i: int) -> int:
-    """Index of the field cell that a particle counts for."""
+    """Index of the field cell that a particle is in."""
     shape = fields.shape
     return (_block(fields, i, 2) * shape[1] + _block(fields, i, 1)) * shape[0] + _block(fields, i, 0)
 
 
 @inline_internal
 def _add_residence(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
-    """Adds what the particle was since it was last added; its row may be older than that."""
+    """Adds the integrals of mass, momentum and energy of a particle over the time since this was last done."""
     mass = _mass(model.mass, model.inverse_masses, i)
     a, b = fields.since[i] - rows[i, 6], now - rows[i, 6]
     place = _place(fields, i)

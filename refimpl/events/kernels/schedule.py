@@ -1,4 +1,4 @@
-"""Which event is next: queues over the particles, and the stores of the events that each particle owns.
+"""Which event is next: queues over the particles, and the stores of the predicted events of each particle.
 
 A queue answers `first` (the particle whose next event is the earliest; of equal ones the lowest number) and takes
 `update` (a particle's next event has changed). `Tree`: complete binary tree, O(log N) (Marin, Risso and Cordero, J.
@@ -7,8 +7,8 @@ small span of time each, O(1) while their width fits the rate of events (Brown, 
 Comput. Phys. 221, 615 (2007)).
 
 A store keeps the predicted events of each owner. `Lists`: all of them, in a linked list in order of time, as
-documented (SPEC E12). `Earliest`: the first one only; the others are found again when they are needed (Lubachevsky,
-J. Comput. Phys. 94, 255 (1991)).
+Marin, Risso and Cordero have it. `Earliest`: the first one only; the others are found again when they are needed
+(Lubachevsky, J. Comput. Phys. 94, 255 (1991)).
 """
 
 from typing import Any, NamedTuple
@@ -27,14 +27,14 @@ PARTNER, PARTNER_COUNT, COUNT, CELL, OWN, STREAK = 0, 1, 2, 3, 6, 7
 SPEED, TIME, NEXT = 3, 6, 7
 #: Entries of the operation counts.
 COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS = range(6)
-#: Nodes that stay in the near caches.
+#: So many nodes stay in the first two caches.
 NEAR_NODES = 1 << 13
 
 
 class Tree(NamedTuple):
     """nodes, keys: (2N,) the winner below each node, and its time; 1 is the root, N + i the leaf of particle i.
 
-    A match looks at two neighbours in memory: a way through a large tree costs one cache line a level.
+    A comparison reads two neighbours in memory: an update of a large tree costs one cache line a level.
     """
 
     keys: Any
@@ -57,7 +57,7 @@ class Calendar(NamedTuple):
 
 
 class Earliest(NamedTuple):
-    """Nothing beside the rows: they hold each particle's earliest event."""
+    """A store without arrays of its own: `rows` and `ints` hold each particle's earliest event."""
 
     nothing: int
 
@@ -111,7 +111,7 @@ def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
 
 @inline_internal
 def _tree_prefetch(queue: Any, i: int) -> None:
-    # which way an update takes is known long before it does, and the upper levels are in the cache
+    # the nodes that an update will visit are known well before it starts; the upper levels are in the cache anyway
     place = queue.nodes.size // 2 + i
     while place > NEAR_NODES:
         prefetch(queue.keys, place * 8)
@@ -121,7 +121,7 @@ def _tree_prefetch(queue: Any, i: int) -> None:
 
 @kernel
 def build_tree(queue: Any, times: Any) -> None:
-    """Plays the whole tournament; with one particle the root is its leaf."""
+    """Fills all nodes from the leaves up; with one particle the root is its leaf."""
     keys, nodes = queue.keys, queue.nodes
     number = times.size
     for i in range(number):
@@ -140,7 +140,7 @@ def build_tree(queue: Any, times: Any) -> None:
 @inline_internal
 def _day_of(queue: Any, key: float) -> int:
     day = key * queue.per_time[0]
-    # events that never come, or very late, wait on the last day that an integer can name
+    # events that never happen, or very late, belong to the last day that an integer can hold
     return np.int64(day) if day < 4e18 else np.int64(4_000_000_000_000_000_000)
 
 
@@ -187,7 +187,7 @@ def _calendar_first(queue: Any, counts: Any) -> int:
             return found
         today += 1
         empty += 1
-        if empty > mask:  # a whole year without events: go to the day of the next one
+        if empty > mask:  # no event in any bucket of this round: go to the day of the next event
             today = queue.day[0]
             for k in range(1, queue.day.size):
                 today = min(today, queue.day[k])
@@ -244,7 +244,7 @@ def _first(queue: Any, counts: Any) -> Any:
 
 
 def prefetch_entry(queue: Any, i: int) -> None:
-    """Hints that particle i's entry is about to change."""
+    """Hints to the processor that particle i's entry is about to change."""
     raise TypeError(f"not a queue: {type(queue).__name__}")
 
 
@@ -371,7 +371,7 @@ def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: 
     if _is(store, Earliest):
 
         def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
-            # where the partner is busy before that, it will find this event itself, if it is still there then
+            # where the partner has an earlier event, this one will be predicted again after that, if it is still due
             if time < rows[i, NEXT] and time < rows[j, NEXT]:
                 rows[i, NEXT] = time
                 ints[i, PARTNER], ints[i, PARTNER_COUNT] = j, ints[j, COUNT]

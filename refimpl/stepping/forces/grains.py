@@ -59,7 +59,12 @@ SKIN = 0.3
 
 
 class ContactLaw(NamedTuple):
-    """k; gamma or c; k_t; gamma_t or c_t; mu: see the module's equations."""
+    """The coefficients of a contact, in the module's equations.
+
+    stiffness: k, force/length (Hooke) or force/length^2 (Hertz). damping: gamma, 1/time (Hooke) or 1/(time length)
+    (Hertz), or the number c. tangential_stiffness: k_t, as k. tangential_damping: gamma_t or c_t, as `damping`.
+    friction: Coulomb's mu, no dimension; infinite for no limit.
+    """
 
     stiffness: float
     damping: float = 0.0
@@ -69,9 +74,10 @@ class ContactLaw(NamedTuple):
 
 
 class SoftPlane(NamedTuple):
-    """A wall at `place` along `axis`, the grains on the side to which `sign` (+1, -1) points.
+    """A soft plane wall across an axis, that moves by sign amplitude cos(frequency t + phase).
 
-    It moves by sign amplitude cos(frequency t + phase).
+    axis: 0 ... d - 1. sign: +1 or -1, the side of the grains. place: mean position along the axis, length. law: of its
+    contacts. amplitude: length. frequency: radians/time. phase: radians.
     """
 
     axis: int
@@ -84,9 +90,11 @@ class SoftPlane(NamedTuple):
 
 
 class SoftCylinder(NamedTuple):
-    """The inside of a cylinder about a line along `axis` (2D: 2) through `centre` (both other coordinates, in order).
+    """A soft wall: the inside of a cylinder, which may turn about its axis.
 
-    It turns at angular_velocity from the first of these coordinates to the second.
+    radius: length. centre: the two coordinates of its axis, in order. law: of its contacts. axis: its direction, 0, 1
+    or 2; 2 in two dimensions. angular_velocity: from the first of the two other coordinates to the second,
+    radians/time.
     """
 
     radius: float
@@ -99,8 +107,10 @@ class SoftCylinder(NamedTuple):
 class Grains(NamedTuple):
     """Soft grains; build them with `grains`. Absent features are None or empty.
 
-    sides: box side of each periodic axis, 0 for others. inverse_inertias: (N,), None of smooth grains. gravity: (d,).
-    law, walls, cylinder: rows of numbers, see refimpl.stepping.kernels.contacts. auxiliary: number of the coordinates
+    sides: box side of each periodic axis, 0 for others. radii, masses, inverse_masses: (N,). inverse_inertias: (N,),
+    None of smooth grains. gravity: acceleration (d,). law, walls, cylinder: rows of numbers, see
+    refimpl.stepping.kernels.contacts. model: which equations. skin, built: of the pair list, and the positions (N*d,)
+    for which it was made. auxiliary: number of the coordinates
     after the angles: the clock and, if they are tallied, the number of touching pairs, sum r_ij . F_ij, the forces on
     each wall and on the cylinder (d each), and the torque of the cylinder on the grains. pairs: (P, 2); reach2: squared
     contact distances; touching, stretches (P, 3) and wall_stretches (walls + 1, N, 3): of rough grains. clock: (1,), of
@@ -130,7 +140,7 @@ class Grains(NamedTuple):
 
     @property
     def tallied(self) -> bool:
-        """More than the clock is integrated."""
+        """Whether more than the clock is integrated."""
         return self.auxiliary > 1
 
 
@@ -189,11 +199,17 @@ def grains(
     tallies: bool = False,
     skin: float | None = None,
 ) -> Grains:
-    """Soft grains of these radii and masses, (N,), in a box of these `lengths`, of which only periodic ones matter.
+    """Soft grains in a box.
 
-    inertia: q in I = q m R^2; None: smooth grains, which do not turn. The rest as in the module's equations. tallies:
-    integrate what `TALLIES` names. skin: of the pair list, by default SKIN times the largest diameter; for speed only.
-    Raises ValueError for sizes that do not match and numbers out of range.
+    radii, masses: (N,). lengths, periodic: (d,) box sides, of which only those of periodic axes matter. law: of the
+    contacts of pairs. inertia: q in I = q m R^2; None: smooth grains, which do not turn. gravity: acceleration (d,), or
+    None. walls, cylinder: what is there of them. hertz, damping, history, granular: which of the module's equations.
+    tallies: integrate number of contacts, virial, forces on walls and torque of the cylinder too, see `Grains`. skin:
+    of the pair list, a length, by default SKIN times the largest diameter; it changes the speed only. Units: any
+    consistent set.
+
+    Raises ValueError for arrays of unequal sizes, for numbers out of range, and for periodic sides of no more than two
+    diameters.
     """
     radii, masses = np.array(radii, dtype=np.float64), np.array(masses, dtype=np.float64)
     dimension, number = len(lengths), radii.size
@@ -253,7 +269,10 @@ def _room(pairs: int, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
 def coordinates(
     force: Grains, positions: np.ndarray, velocities: np.ndarray, spins: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Flat r and v at time 0 of grains at these positions and velocities, (N, d), and spins, (N, 1 | 3), or at rest."""
+    """Flat r and v of the `force` at time 0, with angles and tallies 0.
+
+    positions, velocities: (N, d). spins: angular velocities, (N, 1) in two dimensions or (N, 3) in three; None: 0.
+    """
     turning = () if force.inverse_inertias is None else (3 if len(force.sides) == 3 else 1,)
     angles = np.zeros((force.radii.size, *turning)) if turning else np.zeros(0)
     rest = np.zeros(force.auxiliary)
