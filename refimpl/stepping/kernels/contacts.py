@@ -361,8 +361,8 @@ def _pairs(force, inverse_inertias, elapsed, r, v, a):  # type: ignore[no-untype
     return contacts, virial
 
 
-@internal
-def _on_wall(force, inverse_inertias, law, stretches, elapsed, i, delta, vectors, v, a, on_wall):  # type: ignore[no-untyped-def]
+@internal def _on_wall(force, inverse_inertias, law, stretches, elapsed, i, delta, vectors, v, a, on_wall):  # type:
+ignore[no-untyped-def]
     """Adds the acceleration of grain i by a wall to `a` and the force on the wall to `on_wall`.
 
     law: the wall's row of numbers. stretches: (N, 3) of this wall. vectors: n towards the grain and g set, u, w, f for
