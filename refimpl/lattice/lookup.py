@@ -138,8 +138,10 @@ def _reflected(state, rule, mirrors, seed, time, y, x):  # type: ignore[no-untyp
     return mirrors[flips, state]
 
 
-@njit(cache=True, nogil=True, error_model="numpy") def _advance(sites, target, moves, table, mirrors, walls, force,
-impulses, seed, start, steps):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _advance(  # type: ignore[no-untyped-def]
+    sites, target, moves, table, mirrors, walls, force, impulses, seed, start, steps
+):
     """The last state is in `target` after an odd number of steps, in `sites` after an even one."""
     for time in range(start, start + steps):
         _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time)

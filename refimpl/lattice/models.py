@@ -21,7 +21,7 @@ import numpy as np
 
 from refimpl.lattice.velocities import SQUARE, TRIANGULAR, TRIANGULAR_REST, VelocitySet
 
-#: What a rule lets a state become: states with the same label.
+#: A rule turns a state into states with the same label.
 Label = Callable[[VelocitySet, int], Hashable]
 
 

@@ -1,9 +1,11 @@
 """Theory of lattice gases for any velocity set and any collision table: equilibrium, transport, modes, isotropy.
 
-Units: lattice links, steps, particle masses. Arguments: model, velocities: the lattice gas, its velocity set. density:
-d. b channels with velocities c_i; d is the mean occupation of a channel, the density per site rho = b d, u the mean
-velocity, f_i the mean occupations, with the channels on the last axis. D = 2. <..> is the mean over the channels; <c_a
-c_b> = c_s^2 delta_ab.
+Units: lattice links, steps, particle masses. b channels with velocities c_i; d is the mean occupation of a channel, the
+density per site rho = b d, u the mean velocity, f_i the mean occupations, with the channels on the last axis. D = 2.
+<..> is the mean over the channels; <c_a c_b> = c_s^2 delta_ab.
+
+Arguments that are the same throughout: model: the lattice gas. velocities: its velocity set. density: d, between 0 and
+1, else ValueError. f: (..., b) mean occupations.
 
 The transport coefficients are those of the Boltzmann approximation: occupations of a site are independent before a
 collision. The true ones of FHP gases are larger away from d = 1/2, and grow with the size of the box.

@@ -333,8 +333,10 @@ def tail_corrections(force: LennardJones) -> Tails:
     return Tails(energy, work, work / (dimension * volume))
 
 
-@njit(cache=True, error_model="numpy") def _copy_parameters_to_slots(lists, species, species_epsilon, species_sigma,
-slot_size, slot_strength):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy")
+def _copy_parameters_to_slots(  # type: ignore[no-untyped-def]
+    lists, species, species_epsilon, species_sigma, slot_size, slot_strength
+):
     """Parameters of the particles to their slots, after these have changed."""
     number = len(species)
     size = np.empty(number)
