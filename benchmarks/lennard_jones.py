@@ -98,7 +98,7 @@ def compare(number: int) -> None:
     from refimpl.stepping.forces.generic import kinetic_energy, potential_energy
     from refimpl.stepping.forces.lennard_jones import FORCE_EVALUATIONS, LIST_BUILDS, lennard_jones
     from refimpl.stepping.integrate import integrate
-    from refimpl.stepping.neighbours import PRUNES
+    from refimpl.stepping.kernels.neighbours import PRUNES
 
     force = lennard_jones(number=number, dimension=3, lengths=[side] * 3, periodic=[True] * 3, cutoff=CUTOFF)
 
@@ -119,7 +119,7 @@ def compare(number: int) -> None:
     ours, theirs, builds = [], [], 0
     our_energies = [energy()]
     their_energies = [lammps_block(skin)[1]]
-    counters_before = [*force.counters, force.neighbours.state[PRUNES]]
+    counters_before = [*force.counters, force.neighbours.bookkeeping[PRUNES]]
     for _ in range(BLOCKS):
         began = time.process_time()
         run = integrate("velocity_verlet", force, r, v, DT, steps)
@@ -134,7 +134,7 @@ def compare(number: int) -> None:
     worker.join()
 
     ratios = sorted(b / a for a, b in zip(ours, theirs, strict=True))
-    counters = [*force.counters, force.neighbours.state[PRUNES]]
+    counters = [*force.counters, force.neighbours.bookkeeping[PRUNES]]
     counted = [after - before for before, after in zip(counters_before, counters, strict=True)]
     print(f"N = {number}: {BLOCKS} blocks of {steps} steps, LAMMPS {version} with skin {skin}")
     print(f"  refimpl  {number * steps / median(ours) / 1e6:7.2f} M atom-steps per CPU second")

@@ -1,34 +1,36 @@
 """WHAT the hard particles are: sizes, masses, collision laws, walls. A feature that is absent is `None`.
 
-numba specialises the event loop by these types: no rotation, no angular velocities; no field, no gravity term; one
-size, no array of radii.
+numba specialises the event loop by these types: without rotation there are no angular velocities; without a field, no
+gravity term; with one size, no array of radii. Units: any consistent set, such as particle diameters, masses and
+thermal velocities.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
+Vector: TypeAlias = tuple[float, float, float]
 
-#: Motions of a wall, as `Walls.motion` holds them.
+#: Motions of a wall, as `PlaneWalls.motion` holds them.
 STEADY, UNIFORM_PHASE, FLUX_PHASE, OSCILLATING, THERMAL = range(5)
 
-#: Columns of `Walls.numbers`.
+#: Columns of `PlaneWalls.numbers`.
 RESTITUTION, VELOCITY, AMPLITUDE, FREQUENCY, PHASE, TEMPERATURE, TANGENTIAL, STATIC, SLIDING = range(9)
 
 
 class Friction(NamedTuple):
-    """The tangential law of a contact (SPEC E2).
+    """The tangential law of a contact, of O. R. Walton, in Particulate Two-Phase Flow (ed. M. C. Roco), 884 (1993).
 
     tangential_restitution: alpha_t in [-1, 1], v'_ct = alpha_t v_ct while sticking: +1 is smooth, -1 perfectly rough
-    (the opposite sign of the common beta). static, sliding: mu_s >= mu_k >= 0: where the tangential impulse of sticking
-    exceeds mu_s times the normal one, it is mu_k times the normal one (Walton 1993). inertia: q in I = q m R^2; None
-    is that of a homogeneous sphere, 2/5, or disk, 1/2; walls have none.
+    (the opposite sign of the common beta). static, sliding: coefficients of friction mu_s >= mu_k >= 0: where the
+    tangential impulse of sticking exceeds mu_s times the normal one, it is mu_k times the normal one. inertia: q in
+    I = q m R^2; None is that of a homogeneous sphere, 2/5, or disk, 1/2; walls have none. All without dimension.
     """
 
     tangential_restitution: float = 1.0
@@ -38,7 +40,10 @@ class Friction(NamedTuple):
 
 
 class Well(NamedTuple):
-    """Square well: energy -depth while the centres are closer than `range` contact distances."""
+    """Square well: the energy of a pair is -depth while the centres are closer than `range` contact distances.
+
+    depth: energy; negative for a square shoulder. range: above 1, in contact distances R_i + R_j.
+    """
 
     depth: float
     range: float
@@ -47,8 +52,8 @@ class Well(NamedTuple):
 class RandomPhase(NamedTuple):
     """Limit of a fast, small oscillation: the wall stays in its place and has velocity speed * cos(phase).
 
-    law: "uniform", every phase alike; "flux", a phase in proportion to the relative speed of approach, as a steady
-    stream of grains would meet it.
+    speed: largest velocity of the wall. law: how the phase is drawn: "uniform", every phase alike; "flux", in
+    proportion to the relative speed of approach, as a steady stream of grains would meet it.
     """
 
     speed: float
@@ -56,7 +61,10 @@ class RandomPhase(NamedTuple):
 
 
 class Oscillation(NamedTuple):
-    """The wall's displacement into the box, amplitude * cos(frequency * t + phase)."""
+    """The wall's displacement into the box, amplitude * cos(frequency * t + phase).
+
+    amplitude: length. frequency: angular frequency, radians per time. phase: radians.
+    """
 
     amplitude: float
     frequency: float
@@ -66,9 +74,10 @@ class Oscillation(NamedTuple):
 class Face(NamedTuple):
     """One plane wall. At most one of velocity, random_phase, oscillation and temperature.
 
-    The normal velocity becomes (1 + restitution) V - restitution v_n, with V the wall's own: `velocity` always (the
-    limit of a sawtooth), that of a random phase, or that of the oscillation at the time. temperature: v_n and v_t are
-    drawn anew from the flux of a gas at rest at this temperature.
+    restitution: of the normal velocity, in [0, 1]: it becomes (1 + restitution) V - restitution v_n, with V the wall's
+    own velocity into the box. velocity: V is always this (the limit of a sawtooth). random_phase, oscillation: V is
+    that of a random phase, or that of the oscillation at the time. temperature: energy; v_n and v_t are drawn anew from
+    the flux of a gas at rest at this temperature. friction: the tangential law, for particles with friction.
     """
 
     restitution: float = 1.0
@@ -80,7 +89,12 @@ class Face(NamedTuple):
 
 
 class Cylinder(NamedTuple):
-    """A circular wall about the middle of the box, or a cylinder along `axis`: a drum or a pipe."""
+    """A circular wall about the middle of the box, or a cylinder along an axis: a drum or a pipe.
+
+    radius: length. axis: 0, 1 or 2; 2 in two dimensions. angular_velocity: of the wall about the axis, from the lower
+    to the higher of the two other axes, radians per time. restitution: of the normal velocity, in [0, 1]. friction: the
+    tangential law, for particles with friction.
+    """
 
     radius: float
     axis: int = 2
@@ -90,7 +104,7 @@ class Cylinder(NamedTuple):
 
 
 class Rough(NamedTuple):
-    """Friction of the grains, with their moment of inertia: I = inertia m R^2."""
+    """`Friction` of the particles, checked: tangential_restitution, static, sliding; I = inertia m R^2."""
 
     tangential_restitution: float
     static: float
@@ -98,10 +112,11 @@ class Rough(NamedTuple):
     inertia: float
 
 
-class Walls(NamedTuple):
+class PlaneWalls(NamedTuple):
     """Plane walls as arrays over the 2d faces x-, x+, y-, y+, ...
 
-    present: (2d,) bool. motion: (2d,). numbers: (2d, 9), see the columns above; angles at the time base of the clock.
+    present: (2d,) whether there is a wall. motion: (2d,) STEADY, UNIFORM_PHASE ... numbers: (2d, 9), columns
+    RESTITUTION, VELOCITY ...; phases are those at the time base of the clock.
     """
 
     present: NDArray[np.bool_]
@@ -109,8 +124,11 @@ class Walls(NamedTuple):
     numbers: Floats
 
 
-class Drum(NamedTuple):
-    """`Cylinder` with its transverse axes."""
+class CylinderWall(NamedTuple):
+    """`Cylinder`, checked: radius, angular_velocity, restitution; its transverse axes `first` and `second`.
+
+    tangential_restitution, static, sliding: of its `Friction`.
+    """
 
     radius: float
     first: int
@@ -122,27 +140,30 @@ class Drum(NamedTuple):
     sliding: float
 
 
-class Model(NamedTuple):
+class HardSpheres(NamedTuple):
     """What the event loop is specialised for; built by `hard_spheres`.
 
-    lengths, periodic: (d,). diameter: the contact distance, of the largest pair. radii, inverse_masses: (N,), or None
-    where all are alike. mass: of all, or 1. restitution: None is elastic.
+    lengths, periodic: (d,) box sides, and whether each axis is periodic. diameter: the contact distance of the largest
+    pair. mass: of every particle, or 1. radii, inverse_masses: (N,), or None where all are alike; 0 for a fixed
+    particle. restitution: normal; None is elastic. rough: friction and inertia. acceleration: of a uniform field, (d,).
+    well: square well. walls, cylinder: what is there of them. contact_duration: t_c of the TC model. seed: uint64, of
+    random walls. Absent features are None.
     """
 
     lengths: tuple[float, ...]
     periodic: tuple[bool, ...]
     diameter: float
     mass: float
-    radii: Any
-    inverse_masses: Any
-    restitution: Any
-    rough: Any
-    acceleration: Any
-    well: Any
-    walls: Any
-    drum: Any
-    contact_duration: Any
-    seed: Any
+    radii: Floats | None
+    inverse_masses: Floats | None
+    restitution: float | None
+    rough: Rough | None
+    acceleration: tuple[float, ...] | None
+    well: Well | None
+    walls: PlaneWalls | None
+    cylinder: CylinderWall | None
+    contact_duration: float | None
+    seed: np.uint64 | None
 
 
 def hard_spheres(
@@ -159,13 +180,18 @@ def hard_spheres(
     cylinder: Cylinder | None = None,
     contact_duration: float | None = None,
     seed: int = 0,
-) -> Model:
+) -> HardSpheres:
     """The model of hard disks (two lengths) or spheres (three) in the box [0, L) of each axis.
 
-    diameters, masses: of all, or (N,); an infinite mass is a fixed scatterer. faces: one entry per face x-, x+, y-,
-    y+, ...; None is no wall (periodic, or open). contact_duration: t_c of the TC model (Luding and McNamara, Granular
-    Matter 1, 113 (1998)): a grain that has collided less than t_c ago loses nothing. seed: of random walls.
-    ValueError names what is wrong.
+    lengths, periodic: (d,) box sides, and whether each axis is periodic. diameters, masses: of all, or (N,); an
+    infinite mass is a fixed scatterer. restitution: normal, in [0, 1]. friction: with rotation; None: smooth particles.
+    acceleration: (d,) of a uniform field. well: square well about every particle. faces: one entry per face x-, x+, y-,
+    y+, ...; None is no wall (periodic, or open). cylinder: a circular wall. contact_duration: t_c of the TC model, a
+    time (S. Luding and S. McNamara, Granul. Matter 1, 113 (1998)): a grain that has collided less than t_c ago loses
+    nothing. seed: of random walls, 0 <= seed < 2^64. Units: any consistent set.
+
+    Raises ValueError that names the argument for a value out of range, a periodic box shorter than two contact ranges,
+    walls on a periodic axis, and fixed particles in a field.
     """
     d = len(lengths)
     if d not in (2, 3):
@@ -183,7 +209,7 @@ def hard_spheres(
     if contact_duration is not None and not contact_duration > 0:
         raise ValueError(f"contact_duration: must be positive, got {contact_duration}")
     walls = _walls(faces, d)
-    drum = None if cylinder is None else _drum(cylinder, d)
+    circular = None if cylinder is None else _cylinder_wall(cylinder, d)
     if well is not None and not (well.range > 1 and math.isfinite(well.depth)):
         raise ValueError(f"well: the range must exceed 1 and the depth be finite, got {well}")
     reach = largest * (1.0 if well is None else well.range)
@@ -197,9 +223,9 @@ def hard_spheres(
         if wraps and walls is not None and (walls.present[2 * axis] or walls.present[2 * axis + 1]):
             raise ValueError(f"faces: axis {axis} is periodic: it has no walls")
     random = walls is not None and bool((np.isin(walls.motion, (UNIFORM_PHASE, FLUX_PHASE, THERMAL))).any())
-    return Model(
+    return HardSpheres(
         tuple(map(float, lengths)), tuple(map(bool, periodic)), largest, mass, radii, inverse_masses,
-        None if restitution == 1.0 else float(restitution), rough, field, well, walls, drum, contact_duration,
+        None if restitution == 1.0 else float(restitution), rough, field, well, walls, circular, contact_duration,
         np.uint64(seed) if random else None,
     )  # fmt: skip
 
@@ -232,7 +258,7 @@ def _tangential(friction: Friction | None) -> tuple[float, float, float]:
     return float(law.tangential_restitution), float(law.static), float(law.sliding)
 
 
-def _walls(faces: Sequence[Face | None] | None, d: int) -> Walls | None:
+def _walls(faces: Sequence[Face | None] | None, d: int) -> PlaneWalls | None:
     if faces is None or all(face is None for face in faces):
         return None
     if len(faces) != 2 * d:
@@ -260,16 +286,16 @@ def _walls(faces: Sequence[Face | None] | None, d: int) -> Walls | None:
             motion[index], row[TEMPERATURE] = THERMAL, face.temperature
     if not np.isfinite(numbers[:, :STATIC]).all() or (numbers[:, [AMPLITUDE, TEMPERATURE]] < 0).any():
         raise ValueError("faces: amplitudes and temperatures must be finite and not negative")
-    return Walls(present, motion, numbers)
+    return PlaneWalls(present, motion, numbers)
 
 
-def _drum(cylinder: Cylinder, d: int) -> Drum:
+def _cylinder_wall(cylinder: Cylinder, d: int) -> CylinderWall:
     if not cylinder.radius > 0:
         raise ValueError(f"cylinder.radius: must be positive, got {cylinder.radius}")
     _within("cylinder.restitution", cylinder.restitution, 0, 1)
     first, second = (0, 1) if d == 2 else tuple(axis for axis in range(3) if axis != cylinder.axis)
     law = _tangential(cylinder.friction)
-    return Drum(
+    return CylinderWall(
         float(cylinder.radius), first, second, float(cylinder.angular_velocity), float(cylinder.restitution), *law
     )
 

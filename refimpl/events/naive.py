@@ -1,7 +1,14 @@
-"""Algorithm v1.0, the naive loop (SPEC E9): predict everything, take the earliest, advance everybody, collide.
+"""The naive event-driven algorithm: predict all events, take the earliest, advance all particles, apply its rule.
 
-O(N^2) an event, and nothing to go wrong: the executable specification that the fast algorithm must match event by
-event. The closed forms of the prediction and the rules at the contact are the same.
+O(N^2) an event and as short as can be: the executable specification that the fast algorithm must match event by event.
+The closed forms of the prediction and the rules at the contact are the same.
+
+Arguments that are the same throughout: model: `HardSpheres`. rows: (N, 7), a particle's position 0-2, wrapped into the
+box, velocity 3-5, and the time of its last collision 6. turns: (N, 3) how often each position was wrapped. spins:
+(N, 3) angular velocities, or None. bonds: see `refimpl.events.state`, or None. now: the time. Units: any
+consistent set.
+
+Literature: B. J. Alder and T. E. Wainwright, J. Chem. Phys. 31, 459 (1959).
 """
 
 from __future__ import annotations
@@ -10,16 +17,16 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from refimpl.events.compiled import kernel, leaf
-from refimpl.events.model import Floats, Model
+from refimpl.events.kernels.compiled import inline, kernel
+from refimpl.events.model import Floats, HardSpheres, Well
 from refimpl.events.prediction import (
     NEAR,
     NEVER,
     contact_distance,
+    cylinder_time,
     drift,
-    drum_time,
     nearest,
     pair_time,
     radius_of,
@@ -28,34 +35,38 @@ from refimpl.events.prediction import (
     wall_time,
 )
 from refimpl.events.rules import (
-    at_drum,
+    apply_impulse,
+    at_cylinder,
     at_edge,
     at_plane,
-    in_contact_still,
     is_fixed,
-    kick,
     normal_restitution,
     pair_impulse,
     pass_edge,
+    still_in_contact,
 )
 from refimpl.events.state import State, bonds_of, check_state, spins_of
 
-#: Rows hold x 0-2, v 3-5, and the time of the particle's last collision 6.
+#: Column of `rows`: the time of the particle's last collision.
 _LAST = 6
+#: Number of the cylinder among the faces.
+CYLINDER_FACE = 8
 
 
 class Naive:
-    """Hard particles of `model` from the given state, by algorithm v1.0.
+    """Hard particles of `model` from the given state.
 
-    positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; only with friction.
-    last: (N,) times of earlier collisions, for the TC model; -inf: none. counts: (N,) of earlier collisions, for random
-    walls.
-    trace: (time, i, j) of every change of state; j = -1 - face for a wall.
+    positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; zero by default; only
+    with friction. last: (N,) times of earlier collisions, for the TC model; -inf: none. counts: (N,) numbers of earlier
+    collisions, for random walls. Raises ValueError for a state that is not finite or outside the walls.
+
+    Attributes: model, dimension, number; time; collisions, of pairs; trace: (time, i, j) of every change of state, with
+    j = -1 - face for a plane wall and -1 - CYLINDER_FACE for the cylinder.
     """
 
     def __init__(
         self,
-        model: Model,
+        model: HardSpheres,
         positions: ArrayLike,
         velocities: ArrayLike,
         angular_velocities: ArrayLike | None = None,
@@ -76,27 +87,30 @@ class Naive:
         self._counts = np.zeros(self.number, np.int64)
         self._counts[:] = counts
         self._spins = None if model.rough is None else spins_of(angular_velocities, self.number, self.dimension)
-        self._bonds = None if model.well is None else bonds_of(model, x)
+        self._bonds = None if model.well is None else bonds_of(model, model.well, x)
 
     def run(self, until: float = math.inf, collisions: int | None = None, changes: int | None = None) -> None:
-        """To a time, a number of pair collisions, or a number of changes of state since the start."""
+        """Runs until the time `until`, or the given number of pair collisions or changes of state since the start.
+
+        until: time; collisions, changes: numbers, None for no such limit. The first limit that is reached ends the run.
+        """
         while (collisions is None or self.collisions < collisions) and (changes is None or len(self.trace) < changes):
             span, i, j = next_event(self.model, self._rows, self._bonds, self.time)
             limit = longest_flight(self.model, self._rows)
             if min(self.time + span, self.time + limit) > until:
-                fly(self.model, self._rows, self._turns, until - self.time)
+                advance_all(self.model, self._rows, self._turns, until - self.time)
                 self.time = until
                 return
-            fly(self.model, self._rows, self._turns, min(span, limit))
+            advance_all(self.model, self._rows, self._turns, min(span, limit))
             self.time += min(span, limit)
             if span <= limit:
                 self.trace.append((self.time, i, j))
-                self.collisions += happen(
+                self.collisions += apply_event(
                     self.model, self._rows, self._spins, self._bonds, i, j, self._counts, self.time
                 )
 
     def state(self) -> State:
-        """Everybody at the present."""
+        """The state of all particles now."""
         d = self.dimension
         x = self._rows[:, :d] + self._turns[:, :d] * np.array(self.model.lengths)
         spins = self._spins
@@ -105,8 +119,8 @@ class Naive:
         )
 
 
-def longest_flight(model: Model, rows: Floats) -> float:
-    """No other image of a pair than the nearest one can touch before this, however they move."""
+def longest_flight(model: HardSpheres, rows: Floats) -> float:
+    """The time before which no image of a pair but the nearest one can come into contact."""
     reach = model.diameter * (1.0 if model.well is None else model.well.range)
     room = [length / 2 - reach for length, wraps in zip(model.lengths, model.periodic, strict=True) if wraps]
     # velocities relative to one particle: a common fall does not bring two together
@@ -115,8 +129,8 @@ def longest_flight(model: Model, rows: Floats) -> float:
 
 
 @kernel
-def next_event(model: Any, rows: Any, bonds: Any, now: float) -> tuple[float, int, int]:
-    """Span to the earliest event of all pairs and walls, and whose: i and j, or i and -1 - face."""
+def next_event(model: HardSpheres, rows: Floats, bonds: Any, now: float) -> tuple[float, int, int]:
+    """Time to the earliest event of all pairs and walls, and whose it is: i and j, or i and -1 - face."""
     best, one, other = NEVER, -1, -1
     d = len(model.lengths)
     for i in range(rows.shape[0]):
@@ -128,7 +142,7 @@ def next_event(model: Any, rows: Any, bonds: Any, now: float) -> tuple[float, in
             c = x * x + y * y + z * z - s * s
             if (
                 s > 0.0
-                and _meets(model.well, b, c, w2)
+                and _may_meet(model.well, b, c, w2)
                 and not (c <= NEAR * s * s and b < 0.0 and rests(rows, i, j, b, s * s))
             ):
                 span = pair_time(model.well, bonds, i, j, b, c, w2, s * s)
@@ -141,22 +155,22 @@ def next_event(model: Any, rows: Any, bonds: Any, now: float) -> tuple[float, in
                 span = wall_time(model, model.walls, face, rows[i, k], rows[i, 3 + k], radius, now, best)
                 if span < best:
                     best, one, other = span, i, -1 - face
-            span = drum_time(model, model.drum, rows, i, 0.0, radius)
+            span = cylinder_time(model, model.cylinder, rows, i, 0.0, radius)
             if span < best:
-                best, one, other = span, i, -1 - 8
+                best, one, other = span, i, -1 - CYLINDER_FACE
     return best, one, other
 
 
-@leaf
-def _meets(well: Any, b: float, c: float, w: float) -> bool:
+@inline
+def _may_meet(well: Well | None, b: float, c: float, w: float) -> bool:
     if well is None:
         return b < 0.0 and b * b - w * c > 0.0
     return w > 0.0
 
 
 @kernel
-def fly(model: Any, rows: Any, turns: Any, span: float) -> None:
-    """Advances everybody, and wraps positions into the box."""
+def advance_all(model: HardSpheres, rows: Floats, turns: NDArray[np.int64], span: float) -> None:
+    """Advances all particles by the time `span`, and wraps their positions into the box."""
     for i in range(rows.shape[0]):
         for k in range(len(model.lengths)):
             if not is_fixed(model.inverse_masses, i):
@@ -169,12 +183,17 @@ def fly(model: Any, rows: Any, turns: Any, span: float) -> None:
 
 
 @kernel
-def happen(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts: Any, now: float) -> bool:
-    """The rule of an event; whether it was a pair's collision."""
+def apply_event(
+    model: HardSpheres, rows: Floats, spins: Any, bonds: Any, i: int, j: int, counts: NDArray[np.int64], now: float
+) -> bool:
+    """Applies the rule of the event of i with j (or the wall -1 - j); whether it was a collision of a pair.
+
+    counts: (N,) collisions so far, which number the draws of random walls.
+    """
     if j < 0:
-        recent = in_contact_still(model.contact_duration, now - rows[i, _LAST])
-        if j == -1 - 8:
-            at_drum(model, model.drum, rows, spins, i, recent)
+        recent = still_in_contact(model.contact_duration, now - rows[i, _LAST])
+        if j == -1 - CYLINDER_FACE:
+            at_cylinder(model, model.cylinder, rows, spins, i, recent)
         else:
             at_plane(model, model.walls, rows, spins, i, counts[i], -1 - j, now, recent)
         rows[i, _LAST] = now
@@ -186,12 +205,12 @@ def happen(model: Any, rows: Any, spins: Any, bonds: Any, i: int, j: int, counts
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
     collided = not at_edge(model.well, model, i, j, distance * distance)
     if not collided:
-        pass_edge(model.well, model, rows, bonds, i, j, x, y, z, gn)
+        pass_edge(model.well, model, rows, bonds, i, j, (x, y, z), gn)
     else:
-        recent = in_contact_still(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
+        recent = still_in_contact(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
         alpha = normal_restitution(model.restitution, recent)
-        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
-        kick(model, rows, i, j, px, py, pz)
+        impulse = pair_impulse(model.rough, spins, model, rows, i, j, (x, y, z), gn, alpha, recent)
+        apply_impulse(model, rows, i, j, impulse)
     for one in (i, j):
         if not is_fixed(model.inverse_masses, one):
             rows[one, _LAST] = now

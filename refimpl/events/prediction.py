@@ -1,8 +1,16 @@
 """When the next event is: closed forms and safe searches, shared by the naive algorithm and the fast one.
 
-Every time is the span from the present; `NEVER` is no event. Pairs: with r and v the relative position and velocity,
-b = r.v, w = v.v, c = r.r - s^2, contact at distance s is at the root of w t^2 + 2 b t + c = 0 (SPEC E8). A common
-acceleration cancels.
+Every time is counted from the present; `NEVER` is no event. Pairs: with r and v the relative position and velocity,
+b = r.v, w = v.v, c = r.r - s^2, contact at distance s is at the root of w t^2 + 2 b t + c = 0 (B. J. Alder and T. E.
+Wainwright, J. Chem. Phys. 31, 459 (1959)). A common acceleration cancels.
+
+Arguments that are the same throughout: model: `HardSpheres`. rows: (N, 7 or 8), a particle's position 0-2, velocity 3-5
+and the time of that state 6. i, j: numbers of particles. diameter: contact distance of the largest pair. radii: (N,),
+or None where all are alike. radius: of a particle. acceleration: (d,) of the field, or None. axis: 0 ... d - 1. walls,
+cylinder, well: records of `refimpl.events.model`, or None. face: 2 axis + (0 for the lower, 1 for the upper wall).
+bonds: (N, 1 + slots) int32 of a gas with wells, a row being the number of partners inside the well, then the partners.
+b, c, w: of the pair, as above. s2: squared contact distance. now: the time, on the clock of the walls' phases. horizon:
+the search for a contact ends there. Units: any consistent set.
 """
 
 from __future__ import annotations
@@ -10,37 +18,53 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from refimpl.events.compiled import kernel, leaf
-from refimpl.events.model import AMPLITUDE, FREQUENCY, OSCILLATING, PHASE
+from refimpl.events.kernels.compiled import inline, kernel
+from refimpl.events.model import (
+    AMPLITUDE,
+    FREQUENCY,
+    OSCILLATING,
+    PHASE,
+    CylinderWall,
+    Floats,
+    HardSpheres,
+    PlaneWalls,
+    Well,
+)
 
-#: Later than anything: large, and still finite, so that sums and comparisons need no special case.
+#: The time of an event that does not happen: large, yet finite, so that sums and comparisons need no special case.
 NEVER = 1e300
-#: Contacts this near, in units of the contact distance squared, are looked at with care.
+#: |r^2 - s^2|/s^2 below which rounding may hide whether a pair is at its contact, or at the edge of its well.
 NEAR = 1e-9
-#: Rounding of a relative velocity, squared, in units of the two velocities squared: slower is at rest.
+#: Rounding of a relative velocity, squared, over the sum of the two velocities squared: slower counts as at rest.
 AT_REST = (2.0**-49) ** 2
 #: Rounding of positions that a wall search may stop at, in units of the position.
 TOUCH = 2.0**-50
 
 
-@leaf
+@inline
 def approach(b: float, c: float, discriminant: float) -> float:
-    """First root for b < 0: c/(sqrt(disc) - b), without cancellation; 0 where rounding has let the pair overlap."""
+    """First root for b < 0: c/(sqrt(discriminant) - b), without cancellation; 0 where rounding made the pair overlap.
+
+    discriminant: b^2 - w c, positive.
+    """
     return max(c / (math.sqrt(discriminant) - b), 0.0)
 
 
-@leaf
+@inline
 def separation(b: float, c: float, w: float, discriminant: float) -> float:
-    """The root at which a pair inside a distance (c <= 0) leaves it."""
+    """The root at which a pair inside a distance (c <= 0) leaves it; discriminant: b^2 - w c, rounded up to 0."""
     root = math.sqrt(max(discriminant, 0.0))
     if b > 0.0:
         return max(-c / (b + root), 0.0)
     return (root - b) / w
 
 
-@leaf
+@inline
 def falling_time(height: float, v: float, a: float) -> float:
-    """First s >= 0 with height + v s + a s^2/2 <= 0 on its way down; a start below 0 is a rounding of 0."""
+    """First s >= 0 with height + v s + a s^2/2 <= 0 on its way down; a start below 0 counts as 0.
+
+    height: of the surface above the wall. v, a: velocity and acceleration, positive away from the wall.
+    """
     if a == 0.0:
         return max(-height / v, 0.0) if v < 0.0 else NEVER
     height = max(height, 0.0)
@@ -59,16 +83,18 @@ def oscillating_time(
 ) -> float:
     """First contact with a wall at amplitude * cos(angle + frequency s), before `horizon`; else `NEVER`.
 
-    height, v, a: of the particle's surface above the wall's middle place. The gap h(s) has |h''| <= M, M = |a| + A
-    omega^2, hence none of its roots lies before that of h + h' s - M s^2/2: steps to it never pass one, and converge
-    quadratically. `scale`: of the coordinates, whose rounding ends the search.
+    height, v, a: of the particle's surface above the wall's middle position. amplitude, frequency: of the wall, angular
+    frequency. angle: phase of the wall now. scale: of the coordinates, whose rounding ends the search.
+
+    The gap h(s) has |h''| <= M, M = |a| + A omega^2, hence none of its roots lies before that of h + h' s - M s^2/2:
+    steps to it never pass one, and converge quadratically.
     """
     touch = TOUCH * (scale + amplitude)
     steepest = abs(a) + amplitude * frequency * frequency
     s = 0.0
     while s < horizon:
         above = height + s * (v + 0.5 * a * s) - amplitude
-        if above > 0.0:  # nothing can happen above the highest place of the wall
+        if above > 0.0:  # no contact is possible above the highest place of the wall
             s += falling_time(above, v + a * s, a)
             if s >= horizon:
                 break
@@ -78,14 +104,14 @@ def oscillating_time(
         if gap <= touch:
             if speed < 0.0:
                 return s
-            pull = a + amplitude * frequency * frequency * math.cos(phase)
-            if speed == 0.0 and pull < 0.0:
+            curvature = a + amplitude * frequency * frequency * math.cos(phase)
+            if speed == 0.0 and curvature < 0.0:
                 return s
         room = max(gap, 0.0)
         root = math.sqrt(speed * speed + 2.0 * steepest * room)
         # without cancellation: a slow wall has a small M
         step = (speed + root) / steepest if speed > 0.0 else 2.0 * room / (root - speed) if root > speed else 0.0
-        # where it closes in on the root, or rests on the wall, a step must still be seen on the clock
+        # near the root, and for a particle at rest on the wall, a step must still change the time
         s += max(step, math.sqrt(0.25 * touch / steepest) if gap <= touch else 0.0, 2.0**-52 * s)
     return NEVER
 
@@ -145,8 +171,9 @@ def _cubic_turns(a1: float, a2: float, a3: float, a4: float, end: float) -> tupl
 def leaving_time(r2: float, ru: float, u2: float, ra: float, ua: float, a2: float, radius: float) -> float:
     """First time at which a particle inside a circle reaches it: |r + u s + a s^2/2| = radius, outwards.
 
-    r2 = r.r, ru = r.u, ...: of the transverse position, velocity and acceleration. Without acceleration a quadratic;
-    with it a quartic, whose stationary points cut the time into monotonic pieces: no root is missed.
+    r2 = r.r, ru = r.u, u2 = u.u, ra = r.a, ua = u.a, a2 = a.a: of the transverse position, velocity and acceleration.
+    radius: of the circle. Without acceleration a quadratic; with it a quartic, whose stationary points cut the time
+    into monotonic pieces: no root is missed.
     """
     c = r2 - radius * radius
     if a2 == 0.0:
@@ -170,58 +197,58 @@ def leaving_time(r2: float, ru: float, u2: float, ra: float, ua: float, a2: floa
     return NEVER
 
 
-@leaf
-def drift(x: float, v: float, acceleration: Any, axis: int, s: float) -> float:
-    """x + v s + g s^2/2."""
+@inline
+def drift(x: float, v: float, acceleration: tuple[float, ...] | None, axis: int, s: float) -> float:
+    """x + v s + g s^2/2: one coordinate x with velocity v, the time s later."""
     if acceleration is None:
         return x + v * s
     return x + s * (v + 0.5 * acceleration[axis] * s)
 
 
-@leaf
-def speed_after(v: float, acceleration: Any, axis: int, s: float) -> float:
-    """v + g s."""
+@inline
+def speed_after(v: float, acceleration: tuple[float, ...] | None, axis: int, s: float) -> float:
+    """v + g s: one velocity v, the time s later."""
     if acceleration is None:
         return v
     return v + acceleration[axis] * s
 
 
-@leaf
-def pull(acceleration: Any, axis: int) -> float:
+@inline
+def field_along(acceleration: tuple[float, ...] | None, axis: int) -> float:
     """g along one axis, 0 without a field."""
     if acceleration is None:
         return 0.0
     return acceleration[axis]
 
 
-@leaf
-def contact_distance(diameter: float, radii: Any, i: int, j: int) -> float:
+@inline
+def contact_distance(diameter: float, radii: Floats | None, i: int, j: int) -> float:
     """R_i + R_j."""
     if radii is None:
         return diameter
     return radii[i] + radii[j]
 
 
-@leaf
-def radius_of(diameter: float, radii: Any, i: int) -> float:
+@inline
+def radius_of(diameter: float, radii: Floats | None, i: int) -> float:
     """R_i."""
     if radii is None:
         return 0.5 * diameter
     return radii[i]
 
 
-@leaf
+@inline
 def bonded(bonds: Any, i: int, j: int) -> bool:
-    """Whether the pair is inside its well; a row of bonds is their number, then the partners."""
+    """Whether the pair is inside its well, by the bonds."""
     for slot in range(1, bonds[i, 0] + 1):
         if bonds[i, slot] == j:
             return True
     return False
 
 
-@leaf
-def pair_time(well: Any, bonds: Any, i: int, j: int, b: float, c: float, w: float, s2: float) -> float:
-    """Span to the next event of a pair, core or well; NEVER if there is none."""
+@inline
+def pair_time(well: Well | None, bonds: Any, i: int, j: int, b: float, c: float, w: float, s2: float) -> float:
+    """Time to the next event of a pair, at the core or at the edge of the well; NEVER if there is none."""
     if well is None:
         return approach(b, c, b * b - w * c)
     outer = c + s2 * (1.0 - well.range * well.range)
@@ -237,20 +264,27 @@ def pair_time(well: Any, bonds: Any, i: int, j: int, b: float, c: float, w: floa
     return separation(b, min(outer, 0.0), w, disc_outer) if w > 0.0 else NEVER
 
 
-@leaf
-def rests(rows: Any, i: int, j: int, b: float, s2: float) -> bool:
-    """A pair in contact whose approach is below the rounding of its velocities."""
+@inline
+def rests(rows: Floats, i: int, j: int, b: float, s2: float) -> bool:
+    """Whether a pair in contact approaches more slowly than its velocities are rounded."""
     scale = 0.0
     for k in range(3):
         scale += rows[i, 3 + k] ** 2 + rows[j, 3 + k] ** 2
     return b * b <= AT_REST * s2 * scale
 
 
-@leaf
+@inline
 def wall_time(
-    model: Any, walls: Any, face: int, x: float, v: float, radius: float, now: float, horizon: float
+    model: HardSpheres,
+    walls: PlaneWalls | None,
+    face: int,
+    x: float,
+    v: float,
+    radius: float,
+    now: float,
+    horizon: float,
 ) -> float:
-    """Span until a particle at x, with velocity v along the face's axis, meets the wall; NEVER without a wall."""
+    """Time until a particle at x, with velocity v along the face's axis, meets the wall; NEVER without a wall."""
     if walls is None:
         return NEVER
     if not walls.present[face]:
@@ -258,7 +292,7 @@ def wall_time(
     axis, near = face >> 1, face & 1 == 0
     height = x - radius if near else model.lengths[axis] - x - radius
     v = v if near else -v
-    a = pull(model.acceleration, axis)
+    a = field_along(model.acceleration, axis)
     a = a if near else -a
     if walls.motion[face] == OSCILLATING:
         frequency = walls.numbers[face, FREQUENCY]
@@ -269,42 +303,51 @@ def wall_time(
     return falling_time(height, v, a)
 
 
-@leaf
-def resting_flight(walls: Any, model: Any, face: int) -> float:
-    """What flies for a shorter span between two hits of an oscillating wall rests on it; 0 for other walls.
+@inline
+def resting_flight(walls: PlaneWalls | None, model: HardSpheres, face: int) -> float:
+    """A particle that hits an oscillating wall twice within this time rests on it; 0 for other walls.
 
-    Lower than s rises the wall's search takes no notice of: with M of `oscillating_time`, M t^2/2 = s for t some
-    sqrt(s/M). A particle that comes to rest on the wall goes on in flights of that length, of no meaning, forever.
+    The search of `oscillating_time` does not resolve heights below s = TOUCH times the scale of the coordinates: a
+    flight of time t rises by less where M t^2/2 < s, that is for t of the order of sqrt(s/M), M as there. A particle
+    that comes to rest on the wall would go on in such flights, which mean nothing, forever.
     """
     if walls is None:
         return 0.0
     if walls.motion[face] != OSCILLATING:
         return 0.0
     amplitude, frequency = walls.numbers[face, AMPLITUDE], walls.numbers[face, FREQUENCY]
-    steepest = abs(pull(model.acceleration, face >> 1)) + amplitude * frequency * frequency
+    steepest = abs(field_along(model.acceleration, face >> 1)) + amplitude * frequency * frequency
     return 4.0 * math.sqrt(TOUCH * (model.lengths[face >> 1] + amplitude) / steepest)
 
 
-@leaf
-def drum_time(model: Any, drum: Any, rows: Any, i: int, s: float, radius: float) -> float:
-    """Span until the particle, whose state is s old, reaches the circular wall; NEVER without one."""
-    if drum is None:
+@inline
+def cylinder_time(
+    model: HardSpheres, cylinder: CylinderWall | None, rows: Floats, i: int, s: float, radius: float
+) -> float:
+    """Time until the particle, whose state is older than the present by s, reaches the cylinder; NEVER without one."""
+    if cylinder is None:
         return NEVER
-    first_axis, second_axis = drum.first, drum.second
+    first_axis, second_axis = cylinder.first, cylinder.second
     x = drift(rows[i, first_axis], rows[i, 3 + first_axis], model.acceleration, first_axis, s)
     y = drift(rows[i, second_axis], rows[i, 3 + second_axis], model.acceleration, second_axis, s)
     x, y = x - 0.5 * model.lengths[first_axis], y - 0.5 * model.lengths[second_axis]
     u = speed_after(rows[i, 3 + first_axis], model.acceleration, first_axis, s)
     v = speed_after(rows[i, 3 + second_axis], model.acceleration, second_axis, s)
-    a, b = pull(model.acceleration, first_axis), pull(model.acceleration, second_axis)
+    a, b = field_along(model.acceleration, first_axis), field_along(model.acceleration, second_axis)
     return leaving_time(
-        x * x + y * y, x * u + y * v, u * u + v * v, x * a + y * b, u * a + v * b, a * a + b * b, drum.radius - radius
+        x * x + y * y,
+        x * u + y * v,
+        u * u + v * v,
+        x * a + y * b,
+        u * a + v * b,
+        a * a + b * b,
+        cylinder.radius - radius,
     )
 
 
-@leaf
-def nearest(model: Any, rows: Any, i: int, j: int) -> tuple[float, float, float]:
-    """r_j - r_i, both brought to the present, of the nearest image."""
+@inline
+def nearest(model: HardSpheres, rows: Floats, i: int, j: int) -> tuple[float, float, float]:
+    """r_j - r_i of the nearest image, from two states of one time."""
     x, y, z = rows[j, 0] - rows[i, 0], rows[j, 1] - rows[i, 1], rows[j, 2] - rows[i, 2]
     x = wrapped(x, model.lengths[0], model.periodic[0])
     y = wrapped(y, model.lengths[1], model.periodic[1])
@@ -313,9 +356,9 @@ def nearest(model: Any, rows: Any, i: int, j: int) -> tuple[float, float, float]
     return x, y, z
 
 
-@leaf
+@inline
 def wrapped(x: float, length: float, wraps: bool) -> float:
-    """Component of the nearest image."""
+    """A component x of a distance, of the nearest image; length: of the box side; wraps: whether it is periodic."""
     if wraps:
         if x > 0.5 * length:
             return x - length

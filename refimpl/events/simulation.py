@@ -1,4 +1,4 @@
-"""Event-driven dynamics of hard disks and spheres: the state, its memory, and the calls of the compiled loop.
+"""Event-driven dynamics of hard disks and spheres: the state, its arrays, and the calls of the compiled loop.
 
     model = hard_spheres(lengths=(10.0, 10.0), periodic=(True, True))
     simulation = Simulation(model, positions, velocities)
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from refimpl.events.kernels import loop, measure, neighbours, schedule
-from refimpl.events.model import FREQUENCY, PHASE, Floats, Model
+from refimpl.events.model import FREQUENCY, PHASE, Floats, HardSpheres, Well
 from refimpl.events.prediction import NEVER
 from refimpl.events.state import (
     TOLERANCE,
@@ -34,28 +34,34 @@ from refimpl.events.state import (
 
 Scheduler = Literal["tree", "lists", "calendar"]
 
-#: Events between two renewals of the clock's base, per particle; the renewal costs about one prediction each.
-RENEWAL = 64
-#: Wait for a particle's next event that the calendar expects, in passages of a cell.
-WAIT = 0.25
-#: Share of a cell's spare width that its overlap takes.
+#: Events per particle after which the clock gets a new base; that costs about one prediction a particle.
+REBASE_INTERVAL = 64
+#: Mean wait for a particle's next event that the calendar is laid out for, in times to cross a cell.
+EXPECTED_WAIT = 0.25
+#: Share of the width of a cell beyond the contact range that is given to its overlap with its neighbours.
 OVERLAP = 0.999
 
 
 class Simulation:
-    """Hard particles of `model` from the given state.
+    """Hard particles of `model` from the given state, by the asynchronous event-driven algorithm with cells.
 
     positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; zero by default; only
-    with friction. scheduler: "tree" (earliest event of each particle, complete binary tree), "lists" (the documented
-    one: a list of events per owner, complete binary tree), "calendar" (earliest events in a calendar queue). All three
-    give the same events, to the last bit. tallies: measure averages and event observables. fields: cells along each
-    axis for the hydrodynamic fields. counting: count operations. trace: keep a list of all changes of state. ValueError
-    names particles that overlap, lie outside the walls, or are not finite.
+    with friction. scheduler: "tree" (earliest event of each particle, complete binary tree), "lists" (a list of events
+    per owner, complete binary tree), "calendar" (earliest events in a calendar queue). All three give the same events,
+    to the last bit. tallies: measure averages and event observables. fields: cells along each axis for the
+    hydrodynamic fields. counting: count operations. trace: keep a list of all changes of state. Units: any consistent
+    set; time is that of the velocities. Raises ValueError that names particles that overlap, lie outside the walls, or
+    are not finite, and cells of the fields that are smaller than the contact range.
+
+    Attributes: model; number N and dimension d; stopped: "", or what ended the run for good.
+
+    Literature: M. Marin, D. Risso and P. Cordero, J. Comput. Phys. 103, 306 (1993) (lists and tree); G. Paul, J.
+    Comput. Phys. 221, 615 (2007) (calendar); B. D. Lubachevsky, J. Comput. Phys. 94, 255 (1991) (one event a particle).
     """
 
     def __init__(
         self,
-        model: Model,
+        model: HardSpheres,
         positions: ArrayLike,
         velocities: ArrayLike,
         angular_velocities: ArrayLike | None = None,
@@ -87,30 +93,30 @@ class Simulation:
         self._trace = _trace() if trace else None
         self._traced: list[tuple[float, int, int]] = []
         self._progress = np.zeros(7, np.int64)
-        self._base, self._now, self._renewals = (0.0, 0.0), 0.0, 0
+        self._base, self._now, self._rebases = (0.0, 0.0), 0.0, 0
         self._instant = 0.0
         self.stopped = ""
-        self._settle()
+        self._sort_into_cells()
         self._refuse_overlap()
         if model.well is not None:
-            self._find_bonds()
+            self._find_bonds(model.well)
         self._tallies = self._fields = None
         if tallies or fields is not None:
-            faces = 2 * d + (model.drum is not None)
+            faces = 2 * d + (model.cylinder is not None)
             self._tallies = measure.Tallies(np.zeros(measure.SUMS), np.zeros((faces, 5)))
         if fields is not None:
             self._fields = _fields(fields, blocks, self._grid, n, ints)
         self._anchor_tallies()
         self._initial = self._cell_contents() if fields is not None else {}
-        self._wake()
+        self._repredict_all()
 
     # -- running -----------------------------------------------------------------------------------
 
     def run(self, until: float = math.inf, collisions: int | None = None) -> None:
-        """To the time `until`, or until there have been so many pair collisions since the start: what is sooner.
+        """Runs to the time `until`, or to the number `collisions` of pair collisions since the start: what is sooner.
 
-        An inelastic collapse ends the run earlier and for good: see `stopped`. ValueError if neither is given, or for a
-        time that is over.
+        An inelastic collapse ends the run earlier and for good: see `stopped`. Raises ValueError if neither is given,
+        or for a time before the present one.
         """
         if until == math.inf and collisions is None:
             raise ValueError("run: give a time, or a number of collisions")
@@ -119,10 +125,12 @@ class Simulation:
         most = np.iinfo(np.int64).max if collisions is None else collisions
         while not self.stopped:
             end = min(math.fsum((until, -self._base[0], -self._base[1])), 1e299)
-            renewal = (self._renewals + 1) * max(RENEWAL * self.number, 1 << 16)
+            renewal = (self._rebases + 1) * max(REBASE_INTERVAL * self.number, 1 << 16)
+            measured = loop.Measured(self._tallies, self._fields, self._counting, self._trace)
+            limits = loop.Limits(end, self._instant, most, renewal)
             status, self._now = loop.advance(
-                self.model, self._grid, self._particles, self._store, self._queue, self._scratch, self._tallies,
-                self._fields, self._counting, self._trace, self._progress, self._now, end, self._instant, most, renewal,
+                self.model, self._grid, self._particles, self._store, self._queue, self._scratch, measured,
+                self._progress, self._now, limits,
             )  # fmt: skip
             self._collect_trace()
             if status in (loop.REACHED, loop.COUNTED):
@@ -132,14 +140,14 @@ class Simulation:
             elif status == loop.TRACE_FULL:
                 continue
             elif status == loop.PAUSED:
-                self._renew()
+                self._rebase_clock()
             else:
                 self._enlarge(status)
 
     def _collect_trace(self) -> None:
         if self._trace is not None:
             length = int(self._trace.filled[0])
-            for time, (one, other) in zip(self._trace.time[:length], self._trace.who[:length].tolist(), strict=True):
+            for time, (one, other) in zip(self._trace.time[:length], self._trace.pairs[:length].tolist(), strict=True):
                 self._traced.append((math.fsum((*self._base, time)), one, other))
             self._trace.filled[0] = 0
 
@@ -154,9 +162,9 @@ class Simulation:
         who = f"particles {one} and {other}" if other >= 0 else f"particle {one} with a wall"
         return f"inelastic collapse of {who} at t = {self.time!r}"
 
-    def _renew(self) -> None:
+    def _rebase_clock(self) -> None:
         """Moves most of the time into its base, and starts all predictions again from there."""
-        self._renewals += 1
+        self._rebases += 1
         if self._now > 0:
             unit = 2.0 ** (math.floor(math.log2(self._now)) - 7)
             shift = math.floor(self._now / unit) * unit
@@ -170,10 +178,10 @@ class Simulation:
             if self.model.walls is not None:
                 numbers = self.model.walls.numbers
                 numbers[:, PHASE] = (numbers[:, PHASE] + numbers[:, FREQUENCY] * shift) % (2 * math.pi)
-        self._wake()
+        self._repredict_all()
 
     def _enlarge(self, status: int) -> None:
-        """Doubles what the next event has no room in; nothing has happened yet."""
+        """Doubles the array that is too small for the next event; no part of that event has been applied."""
         particles = self._particles
         if status == loop.CELL_FULL:
             self._widen_cells()
@@ -181,7 +189,7 @@ class Simulation:
             bonds = np.pad(particles.bonds, ((0, 0), (0, particles.bonds.shape[1])))
             self._particles = particles._replace(bonds=bonds)
         else:
-            self._store = _longer(self._store)
+            self._store = _with_more_nodes(self._store)
 
     def _widen_cells(self) -> None:
         old = self._particles.cells
@@ -190,8 +198,8 @@ class Simulation:
         self._particles = self._particles._replace(cells=cells)
         self._scratch = _scratch(self.dimension, cells.shape[1])
 
-    def _settle(self) -> None:
-        """Wraps everybody into the box, and puts them into cells."""
+    def _sort_into_cells(self) -> None:
+        """Wraps all positions into the box, and puts the particles into cells."""
         d, grid, particles = self.dimension, self._grid, self._particles
         ints, rows = particles.ints, self._rows
         for k in range(d):
@@ -211,22 +219,22 @@ class Simulation:
         self._particles.cells[:, 0] = held
         self._particles.cells[cell[order], slot + 1] = order
 
-    def _wake(self) -> None:
-        """Everybody finds its events anew, at the present."""
+    def _repredict_all(self) -> None:
+        """Marks all particles for a prediction of all their events at the current time."""
         self._instant = self._shortest_time()
-        self._progress[loop.ASLEEP] = 0
+        self._progress[loop.UNPREDICTED] = 0
         mobile = np.full(self.number, True) if self.model.inverse_masses is None else self.model.inverse_masses > 0
         particles = self._particles
         self._rows[:, schedule.NEXT] = NEVER
         particles.ints[:, schedule.PARTNER] = -1
-        particles.ints[:, schedule.OWN] = loop.WAKE
+        particles.ints[:, schedule.OWN] = loop.REPREDICT
         particles.own[:] = np.where(mobile, self._now, NEVER)
         if isinstance(self._store, schedule.Lists):
             self._store = _lists(self.number, self._store.time.size)
         if isinstance(self._queue, schedule.Tree):
             schedule.build_tree(self._queue, particles.own)
         else:
-            wait = WAIT * min(self._grid.sides[: self.dimension]) / (self._speed() or 1.0)
+            wait = EXPECTED_WAIT * min(self._grid.sides[: self.dimension]) / (self._speed() or 1.0)
             self._queue.per_time[0] = self.number / wait
             schedule.build_calendar(self._queue, particles.own, self._now)
 
@@ -250,18 +258,18 @@ class Simulation:
         if gap < -TOLERANCE * self.model.diameter:
             raise ValueError(f"particles {one} and {other} overlap by {-gap:.6g}: move them apart")
 
-    def _find_bonds(self) -> None:
+    def _find_bonds(self, well: Well) -> None:
         slots = 32 if self.dimension == 3 else 16
         while True:
             bonds = np.zeros((self.number, slots), np.int32)
             radii = radii_of(self.model, self.number)
-            if neighbours.find_bonds(radii, self.model.well.range, bonds, *self._geometry()):
+            if neighbours.find_bonds(radii, well.range, bonds, *self._geometry()):
                 break
             slots *= 2
         self._particles = self._particles._replace(bonds=bonds)
 
     def _geometry(self) -> tuple[Any, ...]:
-        """What distances between neighbours need: positions in their cells' frame, cells, the box."""
+        """Arguments of `kernels.neighbours`: positions in the frame of the cells, the cells, the box."""
         d, grid = self.dimension, self._grid
         x, lengths = np.zeros((self.number, 3)), np.ones(3)
         lengths[:d] = self.model.lengths
@@ -282,10 +290,11 @@ class Simulation:
             sums[measure.RISE] = masses @ v @ field
             sums[measure.PULL] = masses.sum() * np.dot(field, field)
 
-    # -- looking -----------------------------------------------------------------------------------
+    # -- what is seen from outside -----------------------------------------------------------------------------------
 
     @property
     def time(self) -> float:
+        """The time of the last event, or the one that the run was told to reach."""
         return math.fsum((*self._base, self._now))
 
     @property
@@ -295,7 +304,7 @@ class Simulation:
 
     @property
     def events(self) -> int:
-        """All events: collisions, walls, wells, cells, and those that were not valid any more."""
+        """All events: collisions, walls, edges of wells, faces of cells, and those that had become invalid."""
         return int(self._progress[loop.EVENTS])
 
     @property
@@ -313,7 +322,7 @@ class Simulation:
         return masses_of(self.model, self.number)
 
     def state(self) -> State:
-        """Everybody at the present; nothing of the simulation is changed."""
+        """The state of all particles at the current time; nothing of the simulation is changed."""
         d = self.dimension
         span = (self._now - self._rows[:, schedule.TIME])[:, None]
         g = np.zeros(d) if self.model.acceleration is None else np.array(self.model.acceleration)
@@ -336,7 +345,7 @@ class Simulation:
         return field_energy(self.model, self.state().positions) + well_energy(self.model, self._particles.bonds)
 
     def smallest_gap(self) -> tuple[float, int, int]:
-        """Between two surfaces, negative for an overlap, and whose."""
+        """(gap, i, j) of the closest pair of surfaces; negative: overlap. Pairs of fixed particles do not count."""
         inverse = self.model.inverse_masses
         fixed = np.zeros(self.number, bool) if inverse is None else inverse == 0
         gap, one, other = neighbours.closest(radii_of(self.model, self.number), fixed, *self._geometry())
@@ -357,8 +366,8 @@ class Simulation:
         """Sums since the start, exact: see the names. Needs `tallies`.
 
         collisional_virial: sum of r_ij . dp_ij, positive for repulsion. dissipated_energy: lost in pair collisions.
-        wall_impulse (faces, d): momentum given to each face (with a drum one more), wall_energy: energy got from it,
-        wall_collisions; wall_torque: angular momentum about the drum's axis got from the drum.
+        wall_impulse (faces, d): momentum given to each face, and to the cylinder; wall_energy: energy got from it,
+        wall_collisions; wall_torque: angular momentum about the cylinder's axis that the particles got from it.
         kinetic_energy_integral, potential_energy_integral: over time. deepest_overlap: largest (s - r)/s of a pair at
         its collision, r apart where s is their contact distance: beyond rounding only after an event was missed.
         """
@@ -426,7 +435,7 @@ class Simulation:
         state = self.state()
         masses, v, size = self.masses(), state.velocities, math.prod(f.shape)
         energy = kinetic_energies(self.model, state)
-        if self._particles.bonds is not None:
+        if self.model.well is not None:
             energy -= 0.5 * self.model.well.depth * self._particles.bonds[:, 0]
         momentum = [np.bincount(place, masses * v[:, k], size) for k in range(d)]
         return {
@@ -439,7 +448,9 @@ class Simulation:
 # -- building --------------------------------------------------------------------------------------
 
 
-def _grid(model: Model, n: int, quantum: float, fields: tuple[int, ...] | None) -> tuple[loop.Grid, tuple[int, ...]]:
+def _grid(
+    model: HardSpheres, n: int, quantum: float, fields: tuple[int, ...] | None
+) -> tuple[loop.Grid, tuple[int, ...]]:
     d = len(model.lengths)
     reach = model.diameter * (1.0 if model.well is None else model.well.range) * (1 + 1e-9)
     natural = max(reach, (math.prod(model.lengths) / n) ** (1 / d))
@@ -497,7 +508,7 @@ def _lists(n: int, nodes: int) -> schedule.Lists:
     )  # fmt: skip
 
 
-def _longer(store: schedule.Lists) -> schedule.Lists:
+def _with_more_nodes(store: schedule.Lists) -> schedule.Lists:
     """With twice the nodes; the new ones are chained before the unused ones."""
     size = store.time.size
     time, partner, count, after = (np.concatenate((array, np.zeros(size, array.dtype))) for array in store[1:5])

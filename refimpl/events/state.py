@@ -1,21 +1,30 @@
-"""The state of hard particles, what is refused at the start, and the energies: of both algorithms alike."""
+"""The state of hard particles, what is refused at the start, and the energies: of both algorithms alike.
+
+Arguments that are the same throughout: model: `HardSpheres`. number: N, of the particles. spins: (N, 3) angular
+velocities, or None of smooth particles. bonds: (N, 1 + slots), a row being the number of partners inside the well, then
+the partners. Units: any consistent set.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from refimpl.events.model import Floats, Model
+from refimpl.events.model import Floats, HardSpheres, Well
 
 #: Overlap of two particles at the start, in diameters, that passes as rounding of the input.
 TOLERANCE = 1e-9
 
 
 class State(NamedTuple):
-    """time; positions (N, d), not wrapped; velocities (N, d); angular_velocities (N, 1 or 3) or None."""
+    """The state of N particles in d dimensions at one time.
+
+    time: since the start. positions: (N, d), not wrapped into the box. velocities: (N, d). angular_velocities: (N, 1)
+    in two dimensions, (N, 3) in three, or None of smooth particles.
+    """
 
     time: float
     positions: Floats
@@ -26,52 +35,56 @@ class State(NamedTuple):
 # -- sizes, masses, energies -----------------------------------------------------------------------
 
 
-def radii_of(model: Model, number: int) -> Floats:
-    """(N,)"""
+def radii_of(model: HardSpheres, number: int) -> Floats:
+    """(N,) radii."""
     return np.full(number, model.diameter / 2) if model.radii is None else model.radii
 
 
-def masses_of(model: Model, number: int) -> Floats:
-    """(N,), 0 for fixed particles: they have no kinetic energy."""
+def masses_of(model: HardSpheres, number: int) -> Floats:
+    """(N,) masses; 0 for fixed particles: they have no kinetic energy."""
     inverse = model.inverse_masses
     if inverse is None:
         return np.full(number, model.mass)
     return np.where(inverse > 0, 1.0 / np.where(inverse > 0, inverse, 1.0), 0.0)
 
 
-def rotational_energies(model: Model, spins: Floats | None, number: int) -> Floats:
+def rotational_energies(model: HardSpheres, spins: Floats | None, number: int) -> Floats:
     """(N,) I w^2/2, I = q m R^2."""
-    if spins is None:
+    if spins is None or model.rough is None:
         return np.zeros(number)
     inertia = model.rough.inertia * masses_of(model, number) * radii_of(model, number) ** 2
     energies: Floats = 0.5 * inertia * np.sum(spins**2, axis=1)
     return energies
 
 
-def kinetic_energies(model: Model, state: State) -> Floats:
-    """(N,) translational and rotational."""
+def kinetic_energies(model: HardSpheres, state: State) -> Floats:
+    """(N,) translational and rotational energy in a state."""
     number = len(state.velocities)
     translation: Floats = 0.5 * masses_of(model, number) * np.sum(state.velocities**2, axis=1)
     return translation + rotational_energies(model, state.angular_velocities, number)
 
 
-def field_energy(model: Model, positions: Floats) -> float:
-    """-sum m g.x with x not wrapped."""
+def field_energy(model: HardSpheres, positions: Floats) -> float:
+    """-sum m g.x, positions (N, d) not wrapped into the box."""
     if model.acceleration is None:
         return 0.0
     return -float(masses_of(model, len(positions)) @ positions @ np.array(model.acceleration))
 
 
-def well_energy(model: Model, bonds: Any) -> float:
-    """-depth for each pair inside its well; a row of bonds is their number, then the partners."""
-    return 0.0 if model.well is None else -0.5 * model.well.depth * float(bonds[:, 0].sum())
+def well_energy(model: HardSpheres, bonds: NDArray[np.int32] | None) -> float:
+    """-depth for each pair inside its well."""
+    return 0.0 if model.well is None or bonds is None else -0.5 * model.well.depth * float(bonds[:, 0].sum())
 
 
 # -- the start -------------------------------------------------------------------------------------
 
 
-def check_state(model: Model, x: Floats, v: Floats) -> int:
-    """Number of particles; ValueError names the first that is not finite, or outside a wall."""
+def check_state(model: HardSpheres, x: Floats, v: Floats) -> int:
+    """Number of particles at the positions x, (N, d), with velocities v, (N, d).
+
+    Raises ValueError that names the first particle that is not finite, of infinite mass and not at rest, or outside a
+    wall, and for arrays of the wrong shape.
+    """
     n, d = len(x), len(model.lengths)
     if n == 0:
         raise ValueError("there are no particles")
@@ -98,17 +111,20 @@ def check_state(model: Model, x: Floats, v: Floats) -> int:
             outside = np.flatnonzero(room - amplitude * math.cos(phase) < -slack)
             if outside.size:
                 raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the wall of face {face}")
-    if model.drum is not None:
-        middle = np.array([model.lengths[model.drum.first], model.lengths[model.drum.second]]) / 2
-        away = np.linalg.norm(x[:, [model.drum.first, model.drum.second]] - middle, axis=1)
-        outside = np.flatnonzero(away + radii > model.drum.radius + slack)
+    if model.cylinder is not None:
+        middle = np.array([model.lengths[model.cylinder.first], model.lengths[model.cylinder.second]]) / 2
+        away = np.linalg.norm(x[:, [model.cylinder.first, model.cylinder.second]] - middle, axis=1)
+        outside = np.flatnonzero(away + radii > model.cylinder.radius + slack)
         if outside.size:
             raise ValueError(f"particle {outside[0]} at {x[outside[0]]} is beyond the cylinder")
     return n
 
 
 def spins_of(given: ArrayLike | None, n: int, d: int) -> Floats:
-    """(N, 3) from (N, 1) or (N, 3); zeros for None. ValueError for another shape, or what is not finite."""
+    """Angular velocities (N, 3) from those given: (n, 1) in d = 2, (n, 3) in d = 3; zeros for None.
+
+    Raises ValueError for another shape, and for what is not finite.
+    """
     spins = np.zeros((n, 3))
     if given is not None:
         values = np.array(given, dtype=np.float64)
@@ -118,8 +134,8 @@ def spins_of(given: ArrayLike | None, n: int, d: int) -> Floats:
     return spins
 
 
-def bonds_of(model: Model, positions: Floats) -> Any:
-    """(N, N + 1) partners inside each particle's well, by all pairs; a row is their number, then who."""
+def bonds_of(model: HardSpheres, well: Well, positions: Floats) -> NDArray[np.int32]:
+    """(N, N + 1) partners inside each particle's well, from all pairs of the positions (N, d)."""
     n, d = positions.shape
     bonds = np.zeros((n, n + 1), np.int32)
     radii = radii_of(model, n)
@@ -128,7 +144,7 @@ def bonds_of(model: Model, positions: Floats) -> Any:
         for k in range(d):
             if model.periodic[k]:
                 gaps[:, k] -= model.lengths[k] * np.round(gaps[:, k] / model.lengths[k])
-        inside = np.sum(gaps**2, axis=1) < (model.well.range * (radii + radii[i])) ** 2
+        inside = np.sum(gaps**2, axis=1) < (well.range * (radii + radii[i])) ** 2
         inside[i] = False
         partners = np.flatnonzero(inside)
         bonds[i, 0], bonds[i, 1 : 1 + partners.size] = partners.size, partners

@@ -3,8 +3,8 @@
 For every channel i, t_i(n, r) says whether a collision toggles it, n the b occupations of a site and r its random bits.
 The functions share one reduced ordered decision diagram (Bryant, IEEE Trans. Comput. C-35, 677 (1986)), each node an
 operation or two on words. The order of the variables is improved by sifting, and pairs of them are replaced by their
-exclusive or where that helps (linear sifting: Meinel, Somenzi & Theobald, IEEE Trans. CAD 19, 521 (2000)). Nothing is
-typed by hand: the table alone decides.
+exclusive or where that helps (linear sifting: Meinel, Somenzi & Theobald, IEEE Trans. CAD 19, 521 (2000)). Everything
+is derived from the table.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def program(outcomes: tuple[tuple[int, ...], ...]) -> Program:
         changed = 1 << channels if chosen is None else chosen ^ state
         for k in range(channels + 1):
             functions[k] |= (changed >> k & 1) << row
-    diagram = _short(functions, inputs)
+    diagram = _fewest_operations(functions, inputs)
     return Program(
         inputs, random, tuple(diagram.operations), tuple(diagram.values[:channels]), diagram.values[channels]
     )
@@ -65,7 +65,7 @@ def program(outcomes: tuple[tuple[int, ...], ...]) -> Program:
 _PATIENCE = 3
 
 
-def _short(functions: list[int], inputs: int) -> _Diagram:
+def _fewest_operations(functions: list[int], inputs: int) -> _Diagram:
     """A diagram with few operations, found by linear sifting."""
     best = _sifted(functions, inputs, [])
     pairs: list[tuple[int, int]] = []
@@ -170,7 +170,7 @@ class _Diagram:
         elif zero ^ one == full:
             result = self._emit("xor", self._node(zero, level), variable)
         else:
-            # the exclusive or of both halves is often at hand, or simpler than either
+            # the exclusive or of both halves is often known already, or simpler than either
             low = self._node(zero, level)
             difference = self._emit("and", variable, self._node(zero ^ one, level))
             result = self._emit("xor", low, difference)

@@ -13,18 +13,19 @@ from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
     NEEDS_CAPACITY,
+    Force,
     accelerate,
     energy_and_virial,
     enlarge,
     kinetic_energy,
     status,
 )
-from refimpl.stepping.schemes import SCHEMES, Memory, State
+from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
 
 
-def step(self: Any, force: Any, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> State:
-    """`scheme.step(...)`, for kernels."""
-    state: State = self.step(force, r, v, memory, dt)
+def step(self: Any, force: Force, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
+    """`self.step(force, r, v, memory, dt)` of a scheme, callable from kernels; arguments as in `schemes`."""
+    state: StepResult = self.step(force, r, v, memory, dt)
     return state
 
 
@@ -34,16 +35,19 @@ def _step(self: Any, force: Any, r: Any, v: Any, memory: Any, dt: Any) -> Any:
 
 
 @njit(cache=True, error_model="numpy")
-def _advance(scheme, force, r, v, memory, dt, first, last, every, positions, velocities, thermo):  # type: ignore[no-untyped-def]
+def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # type: ignore[no-untyped-def]
     """Steps first + 1 ... last; a sample after every step whose number is a multiple of `every`.
 
-    Returns the state, the number of the last good step and the force's status; a failed step changes nothing.
+    state: (r, v, memory). frames: (positions, velocities), (samples, coordinates) both, or empty. thermo: (samples, 3)
+    or None. Returns the state, the number of the last good step and the force's status; a failed step changes nothing.
     """
+    r, v, memory = state
+    positions, velocities = frames
     for number in range(first + 1, last + 1):
         r_new, v_new, memory_new = step(scheme, force, r, v, memory, dt)
         outcome = status(force)
         if outcome != GOOD:
-            return r, v, memory, number - 1, outcome
+            return (r, v, memory), number - 1, outcome
         if number % every == 0:
             sample = number // every
             # empty, not None, where they are not asked for: one compiled loop for both, and a test a sample
@@ -55,13 +59,13 @@ def _advance(scheme, force, r, v, memory, dt, first, last, every, positions, vel
                 thermo[sample, 1], thermo[sample, 2] = energy_and_virial(force, r_new)
                 # not every scheme has had the force at r_new before
                 if status(force) == NEEDS_CAPACITY:
-                    return r, v, memory, number - 1, NEEDS_CAPACITY
+                    return (r, v, memory), number - 1, NEEDS_CAPACITY
         r, v, memory = r_new, v_new, memory_new
-    return r, v, memory, last, GOOD
+    return (r, v, memory), last, GOOD
 
 
-def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Any]:
-    """f(r, v)/m, and the force, enlarged if it had to be."""
+def acceleration(force: Force, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Force]:
+    """f(r, v)/m at the coordinates r and velocities v, (N*d,) each, and the force, enlarged if it had to be."""
     while True:
         a = accelerate(force, r, v)
         if status(force) != NEEDS_CAPACITY:
@@ -69,16 +73,16 @@ def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, 
         force = enlarge(force)
 
 
-def thermo_now(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[float, float, float]:
-    """Kinetic energy, potential energy and virial of one state."""
+def thermo_now(force: Force, r: np.ndarray, v: np.ndarray) -> tuple[float, float, float]:
+    """Kinetic energy, potential energy and virial of a force at the coordinates r and velocities v, (N*d,) each."""
     return kinetic_energy(force, v), *energy_and_virial(force, r)
 
 
-def _enlarged(force: Any, r: np.ndarray, v: np.ndarray, outcome: int) -> Any | None:
+def _enlarged(force: Force, r: np.ndarray, v: np.ndarray, outcome: int) -> Force | None:
     """The force with room for what it failed at from (r, v); None if it diverged.
 
-    Of two evaluations in one start or step only the last one's status is left, and it may have met the NaN of the
-    first. Every first one is at (r, v): it is asked again.
+    Of two evaluations in one start or step only the status of the last is known, and DIVERGED may come from the NaN of
+    the first. The first one is always at (r, v): it is repeated.
     """
     if outcome == DIVERGED:
         accelerate(force, r, v)
@@ -88,7 +92,7 @@ def _enlarged(force: Any, r: np.ndarray, v: np.ndarray, outcome: int) -> Any | N
 
 @dataclass
 class Integration:
-    """What `integrate` returns. Sample s is at time s * every * dt; sample 0 is the initial state.
+    """The result of `integrate`. Sample s is at time s * every * dt; sample 0 is the initial state.
 
     r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a non-finite state.
     positions, velocities: (samples, N*d), or fewer coordinates if asked so, or None. thermo: (samples, 3), columns K,
@@ -103,20 +107,23 @@ class Integration:
     velocities: np.ndarray | None
     thermo: np.ndarray | None
     evaluations: int
-    force: Any
+    force: Force
 
 
-def compile_steps(scheme: str, force: Any, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
-    """Compiles, or loads from the cache, the loop that `integrate` runs with these arguments; takes no step."""
+def compile_steps(scheme: str, force: Force, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
+    """Compiles, or loads from the cache, the loop that `integrate` runs with these arguments; takes no step.
+
+    scheme, force, r, v, dt, thermo: as of `integrate`. Raises KeyError for an unknown scheme.
+    """
     record = SCHEMES[scheme].record
     memory = record.start(force, r, v, dt)
     frames = np.empty((0, r.size))
-    _advance(record, force, r, v, memory, dt, 0, 0, 1, frames, frames, np.empty((1, 3)) if thermo else None)
+    _advance(record, force, (r, v, memory), dt, 0, 0, 1, (frames, frames), np.empty((1, 3)) if thermo else None)
 
 
 def integrate(
     scheme: str,
-    force: Any,
+    force: Force,
     r: np.ndarray,
     v: np.ndarray,
     dt: float,
@@ -129,9 +136,9 @@ def integrate(
 ) -> Integration:
     """Takes `steps` steps of length `dt` with a scheme of `SCHEMES`.
 
-    r, v: flat initial state, shape (N*d,), left untouched. every: steps between samples (default: one, at the end).
-    trajectory: record r and v at the samples; last: only so many of their last coordinates. thermo: record kinetic
-    energy, potential energy and virial there.
+    scheme: its name. force: a record with the functions of `forces.generic`. r, v: flat initial state, shape (N*d,),
+    left untouched. every: steps between samples (default: one, at the end). trajectory: record r and v at the samples;
+    last: only so many of their last coordinates. thermo: record kinetic energy, potential energy and virial there.
     Raises KeyError for an unknown scheme, ValueError for bad sizes.
     """
     if steps < 0 or (every is not None and every < 1):
@@ -150,7 +157,7 @@ def integrate(
     energies = np.full((samples, 3), np.nan) if thermo else None
 
     while True:
-        # taken once: plain Python, which calls the same compiled forces and costs no compilation of its own
+        # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
         outcome = status(force)
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
@@ -167,8 +174,8 @@ def integrate(
 
     done = 0
     while outcome != DIVERGED and done < steps:
-        r, v, memory, done, outcome = _advance(
-            record, force, r, v, memory, dt, done, steps, every, positions, velocities, energies
+        (r, v, memory), done, outcome = _advance(
+            record, force, (r, v, memory), dt, done, steps, every, (positions, velocities), energies
         )
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
         if larger is not None:

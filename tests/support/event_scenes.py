@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from refimpl.events.model import Floats, Model, Rough, Walls, hard_spheres
+from refimpl.events.model import Floats, HardSpheres, PlaneWalls, Rough, hard_spheres
 from refimpl.events.simulation import Simulation
 
 #: A field that moves nobody: with 0 there is no field at all, by type.
 NO_FIELD = 1e-200
 
 
-def full(number: int, **arguments: Any) -> Model:
+def full(number: int, **arguments: Any) -> HardSpheres:
     """`hard_spheres` with everything but wells and a cylinder by type; what is not asked for has neutral values."""
     given = hard_spheres(**arguments)
     d = len(given.lengths)
-    neutral = Model(
+    neutral = HardSpheres(
         given.lengths, given.periodic, given.diameter, 1.0, np.full(number, given.diameter / 2),
         np.full(number, 1 / given.mass), 1.0, Rough(1.0, math.inf, math.inf, 0.4), (NO_FIELD,) * d, None,
-        Walls(np.zeros(2 * d, bool), np.zeros(2 * d, np.int64), np.zeros((2 * d, 9))), None, 0.0, np.uint64(0),
+        PlaneWalls(np.zeros(2 * d, bool), np.zeros(2 * d, np.int64), np.zeros((2 * d, 9))), None, 0.0, np.uint64(0),
     )  # fmt: skip
     chosen = {
         name: value if value is not None else getattr(neutral, name)
@@ -33,7 +33,7 @@ def full(number: int, **arguments: Any) -> Model:
     return neutral._replace(**chosen)
 
 
-def disks(**arguments: Any) -> Model:
+def disks(**arguments: Any) -> HardSpheres:
     """Disks or spheres with a restitution by type, 1 too."""
     model = hard_spheres(**arguments)
     return model if model.restitution is not None else model._replace(restitution=1.0)

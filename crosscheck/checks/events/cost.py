@@ -202,8 +202,8 @@ CHECKS = (
                 Fault(
                     "wake-by-queue",
                     "events/kernels/loop.py",
-                    "if asleep < rows.shape[0]:",
-                    "if asleep < 0:",
+                    "if unpredicted < rows.shape[0]:",
+                    "if unpredicted < 0:",
                     "at the start the queue is asked for the earliest of N equal times, which all wait in one bucket",
                 ),
             ),

@@ -48,13 +48,13 @@ def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
         place = float(state.lengths[axis]) if upper else 0.0
         moves = face.oscillation
         motion = (0.0, 0.0, 0.0) if moves is None else (moves.amplitude, moves.frequency, moves.phase)
-        walls.append(soft.Plane(axis, -1 if upper else 1, place, soft.Law(*law), *motion))
+        walls.append(soft.SoftPlane(axis, -1 if upper else 1, place, soft.ContactLaw(*law), *motion))
     return soft.grains(
         radii=state.diameters / 2,
         masses=state.masses,
         lengths=[1.0] * scene.dimension if state.lengths is None else state.lengths.tolist(),
         periodic=[boundary == "periodic" for boundary in scene.boundaries],
-        law=soft.Law(*laws.pair),
+        law=soft.ContactLaw(*laws.pair),
         inertia=inertia_ratio(scene) if friction else None,
         gravity=scene.acceleration,
         walls=walls,
@@ -69,14 +69,14 @@ def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
     )
 
 
-def _cylinder(scene: Scene, state: State, law: Law | None) -> soft.Cylinder | None:
+def _cylinder(scene: Scene, state: State, law: Law | None) -> soft.SoftCylinder | None:
     cylinder = None if scene.box is None else scene.box.cylinder
     if cylinder is None or law is None:
         return None
     assert state.lengths is not None
     first, second = (float(length) / 2 for length in state.lengths[list(scene.across)])
     axis = 2 if cylinder.axis is None else AXES.index(cylinder.axis)
-    return soft.Cylinder(cylinder.radius, (first, second), soft.Law(*law), axis, cylinder.angular_velocity)
+    return soft.SoftCylinder(cylinder.radius, (first, second), soft.ContactLaw(*law), axis, cylinder.angular_velocity)
 
 
 def _run(scene: Scene, force: soft.Grains, times: Floats, done: Integration, cost: Cost) -> Run:

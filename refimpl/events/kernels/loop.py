@@ -1,22 +1,23 @@
-"""The event loop: cells, asynchronous clocks, prediction, and the rules at each event (SPEC E10-E13).
+"""The event loop: cells, asynchronous clocks, prediction, and the rules at each event.
 
 rows (N, 8): x 0-2, v 3-5 and own time 6 of the last change of state, time of the next pair event 7: one cache line.
-ints (N, 8): partner, its count, own collision count, cell 3-5, kind of the own event 6, streak 7. own (N,): time of the
-next event that concerns the particle alone: a wall, or the edge of its cell.
+ints (N, 8): partner, its collision count at the prediction, own collision count, cell 3-5, kind of the own event 6,
+number of collisions in a row at one instant 7. own (N,): time of the next event of the particle alone: a wall, or a
+face of its cell.
 
-A pair's time is computed from the two states at the later of their own times. It is thus a function of these states
-alone, and the same to the last bit whoever computes it and whenever: every scheduler gives the same events. For this a
-shift by a period must be exact: positions are multiples of `Grid.quantum`.
+The time of a pair's event is computed from the two states at the later of their own times. It is thus a function of
+these states alone, and the same to the last bit from whichever particle and whenever it is computed: every scheduler
+gives the same events. For this a shift by a period must be exact: positions are multiples of `Grid.quantum`.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from refimpl.events.compiled import inner, kernel
+from refimpl.events.kernels.compiled import inline_internal, kernel
 from refimpl.events.kernels.measure import (
     note_crossing,
-    note_drum,
+    note_cylinder,
     note_pair_after,
     note_pair_before,
     note_wall_after,
@@ -39,26 +40,26 @@ from refimpl.events.kernels.schedule import (
     TIME,
     WALL_EVENTS,
     add,
+    drop_events,
     first,
-    forget,
     has_room,
     keeps_all,
     pop,
+    prefetch_entry,
     tick,
     update,
-    warm,
 )
-from refimpl.events.model import AMPLITUDE, OSCILLATING
+from refimpl.events.model import AMPLITUDE, OSCILLATING, Vector
 from refimpl.events.prediction import (
     NEAR,
     NEVER,
     contact_distance,
+    cylinder_time,
     drift,
-    drum_time,
     falling_time,
+    field_along,
     nearest,
     pair_time,
-    pull,
     radius_of,
     resting_flight,
     rests,
@@ -66,35 +67,36 @@ from refimpl.events.prediction import (
     wall_time,
 )
 from refimpl.events.rules import (
-    at_drum,
+    apply_impulse,
+    at_cylinder,
     at_edge,
     at_plane,
-    in_contact_still,
     is_fixed,
-    kick,
     normal_restitution,
     pair_impulse,
     pass_edge,
+    still_in_contact,
 )
 
 #: Why the loop returned.
 REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL = range(8)
-#: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the drum; the start, for all anew.
-WALL, DRUM, WAKE = 8, 16, 17
-#: So many collisions in a row, each a rounding of time after the one before, are a collapse; so are a few of them
-#: whose speed of approach is down to this share, squared, of the velocities.
+#: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the cylinder; all events of the particle
+#: are to be predicted.
+WALL, CYLINDER, REPREDICT = 8, 16, 17
+#: More than COLLAPSE collisions of a particle in a row at one instant are an inelastic collapse; so are more than two
+#: whose relative normal velocity, squared, is below VANISHED times the squared velocities.
 COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
-#: Cells that do not fit into the near caches any more.
+#: More cells than this do not fit into the first two caches.
 MANY = 1 << 14
-#: Entries of `progress`; ASLEEP: the first particle that has not yet looked for its events.
-PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND, ASLEEP = range(7)
+#: Entries of `progress`; UNPREDICTED: the first particle whose events have not been predicted yet.
+PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND, UNPREDICTED = range(7)
 
 
 class Grid(NamedTuple):
     """counts, sides, overlaps, wraps: of the cells along three axes. shifts: (27, 3) periods. quantum: of positions.
 
-    A particle changes its cell only `overlaps` beyond the edge, so that it does not hop to and fro; two particles that
-    are not in neighbouring cells are still further apart than the contact range.
+    A particle changes its cell only `overlaps` beyond the edge, so that it does not change it back at once; two
+    particles that are not in neighbouring cells are still further apart than the contact range.
     """
 
     counts: Any
@@ -121,11 +123,32 @@ class Particles(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """Changes of state in order: time (length,), who (length, 2): the partner, or -1 - face; filled: (1,)."""
+    """Changes of state in order: time (length,), pairs (length, 2): i, and j or -1 - face; filled: (1,)."""
 
     time: Any
-    who: Any
+    pairs: Any
     filled: Any
+
+
+class Measured(NamedTuple):
+    """What is recorded during a run; each may be None. counts: (6,) operations."""
+
+    tallies: Any
+    fields: Any
+    counts: Any
+    trace: Any
+
+
+class Limits(NamedTuple):
+    """Where a run ends: a time, a number of pair collisions, or of changes of state, all since the start.
+
+    instant: two collisions of a particle that are nearer in time count as simultaneous.
+    """
+
+    until: float
+    instant: float
+    collisions: int
+    changes: int
 
 
 class Scratch(NamedTuple):
@@ -139,7 +162,7 @@ class Scratch(NamedTuple):
 # -- relative motion -------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _relative_position(gap: float, vi: float, vj: float, s: float, acceleration: Any, k: int) -> float:
     """r_j - r_i when the later of the two states was taken; s = tau_i - tau_j: the earlier one flies on for |s|."""
     if acceleration is None:
@@ -147,22 +170,22 @@ def _relative_position(gap: float, vi: float, vj: float, s: float, acceleration:
     return gap + (vj * max(s, 0.0) + vi * min(s, 0.0)) + 0.5 * acceleration[k] * (s * abs(s))
 
 
-@inner
+@inline_internal
 def _relative_speed(vi: float, vj: float, s: float, acceleration: Any, k: int) -> float:
     if acceleration is None:
         return vj - vi
     return (vj - vi) + acceleration[k] * s
 
 
-@inner
+@inline_internal
 def _quantised(x: float, quantum: float) -> float:
     big = 6755399441055744.0 * quantum  # 1.5 2^52
     return (x + big) - big
 
 
-@inner
-def _bring(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
-    """Moves a particle's state to the present."""
+@inline_internal
+def _advance_to_now(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
+    """Moves a particle's state to the time `now`."""
     s = now - rows[i, TIME]
     for k in range(len(model.lengths)):
         rows[i, k] = _quantised(drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s), grid.quantum)
@@ -173,16 +196,16 @@ def _bring(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
 # -- square wells ----------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _reach(well: Any) -> float:
     if well is None:
         return 1.0
     return well.range
 
 
-@inner
-def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
-    """Whether a pair may have an event before `within`; without branches."""
+@inline_internal
+def _may_have_event(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
+    """Whether a pair may have an event before `within`; computed without branches."""
     if well is None:
         return (b < 0.0) & (disc > 0.0) & (c < -2.0 * b * within)
     return (edge < NEAR) | ((b < 0.0) & (disc_edge > 0.0))
@@ -191,19 +214,19 @@ def _concerned(well: Any, b: float, c: float, disc: float, edge: float, disc_edg
 # -- prediction ------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _prefetch_radius(radii: Any, i: int) -> None:
     if radii is not None:
         prefetch(radii, i * 8)
 
 
-@inner
+@inline_internal
 def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
-    """Finds the events of particle i with those in the cells about it, and gives them to the store.
+    """Predicts the events of particle i with those in its own and the neighbouring cells, for the store.
 
-    layer: a face of its cell beyond which alone to look, or -1 for all cells about it. Three passes without
-    unpredictable branches: gather the numbers of the neighbours; relative motion of all, and which of them matter;
-    times of those.
+    layer: a face of its cell, to search only the cells beyond it, or -1 for all. Three passes without unpredictable
+    branches: gather the numbers of the neighbours; relative motion of all, and which of them may meet i; the times of
+    those events.
     """
     rows, cells = particles.rows, particles.cells
     ids, codes, numbers = scratch.ids, scratch.codes, scratch.numbers
@@ -296,7 +319,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
         within = NEVER if keeps_all(store) else best - later
         ids[u] = j
         numbers[u, 0], numbers[u, 1], numbers[u, 2], numbers[u, 3] = b, c, w, later
-        u += np.int64(_concerned(well, b, c, b * b - w * c, edge, b * b - w * edge, within))
+        u += np.int64(_may_have_event(well, b, c, b * b - w * c, edge, b * b - w * edge, within))
 
     for q in range(u):
         j = ids[q]
@@ -304,14 +327,14 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
         if j != i:
             s = contact_distance(diameter, radii, i, j)
             s2 = s * s
-            # points never meet: rounding alone would say when
+            # points have no collisions: their times would be rounding only
             if s > 0.0 and (c > NEAR * s2 or b >= 0.0 or not rests(rows, i, j, b, s2)):
                 span = pair_time(well, particles.bonds, i, j, b, c, w, s2)
                 if span < NEVER:
                     add(store, rows, particles.ints, counts, i, numbers[q, 3] + span, j)
 
 
-@inner
+@inline_internal
 def _first_wall(
     walls: Any, model: Any, grid: Any, rows: Any, ints: Any, i: int, s: float, now: float, best: float, kind: int
 ) -> tuple[float, int]:
@@ -327,7 +350,7 @@ def _first_wall(
         for side in range(2):
             face = 2 * k + side
             away = low if side == 0 else high
-            # a cell is at least a diameter deep: a still wall concerns the last one only
+            # a cell is at least a diameter deep: only a particle in the last one can meet a wall that does not move
             reach = walls.numbers[face, AMPLITUDE] + radius if walls.motion[face] == OSCILLATING else 0.0
             if walls.present[face] and (away < reach or away <= 0.0):
                 span = wall_time(model, walls, face, x, v, radius, now, best)
@@ -336,16 +359,16 @@ def _first_wall(
     return best, kind
 
 
-@inner
+@inline_internal
 def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None:
-    """The next wall, or edge of its cell, that the particle meets."""
+    """Predicts the next wall, or face of its cell, that the particle meets."""
     rows, ints = particles.rows, particles.ints
     s = now - rows[i, TIME]
     best, kind = NEVER, 0
     for k in range(len(model.lengths)):
         x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
         v = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
-        a = pull(model.acceleration, k)
+        a = field_along(model.acceleration, k)
         cell = ints[i, CELL + k]
         if cell > 0 or grid.wraps[k]:
             span = falling_time(x - (cell * grid.sides[k] - grid.overlaps[k]), v, a)
@@ -356,9 +379,9 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
             if span < best:
                 best, kind = span, 2 * k + 1
     best, kind = _first_wall(model.walls, model, grid, rows, ints, i, s, now, best, kind)
-    span = drum_time(model, model.drum, rows, i, s, radius_of(model.diameter, model.radii, i))
+    span = cylinder_time(model, model.cylinder, rows, i, s, radius_of(model.diameter, model.radii, i))
     if span <= best and span < NEVER:
-        best, kind = span, DRUM
+        best, kind = span, CYLINDER
     particles.own[i] = now + best if best < NEVER else NEVER
     ints[i, OWN] = kind
 
@@ -366,13 +389,13 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
 # -- cells -----------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _cell_of(grid: Any, ints: Any, i: int) -> int:
     return (ints[i, CELL + 2] * grid.counts[1] + ints[i, CELL + 1]) * grid.counts[0] + ints[i, CELL]
 
 
-@inner
-def _leave(grid: Any, particles: Any, i: int) -> None:
+@inline_internal
+def _leave_cell(grid: Any, particles: Any, i: int) -> None:
     cells = particles.cells
     cell = _cell_of(grid, particles.ints, i)
     last, slot = cells[cell, 0], 1
@@ -382,8 +405,8 @@ def _leave(grid: Any, particles: Any, i: int) -> None:
     cells[cell, 0] = last - 1
 
 
-@inner
-def _enter(grid: Any, particles: Any, i: int) -> None:
+@inline_internal
+def _enter_cell(grid: Any, particles: Any, i: int) -> None:
     cells = particles.cells
     cell = _cell_of(grid, particles.ints, i)
     cells[cell, 0] += 1
@@ -393,37 +416,37 @@ def _enter(grid: Any, particles: Any, i: int) -> None:
 # -- the loop --------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _no_bond_left(bonds: Any, i: int, j: int) -> bool:
     if bonds is None:
         return False
     return bonds[i, 0] + 1 >= bonds.shape[1] or bonds[j, 0] + 1 >= bonds.shape[1]
 
 
-@inner
-def _age(rows: Any, ints: Any, i: int, now: float) -> float:
+@inline_internal
+def _time_since_collision(rows: Any, ints: Any, i: int, now: float) -> float:
     """Time since the particle's last collision; NEVER before the first."""
     return now - rows[i, TIME] if ints[i, COUNT] > 0 else NEVER
 
 
-@inner
-def _passed(
-    well: Any, model: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, x: float, y: float, z: float,
-    distance: float, gn: float, now: float,
+@inline_internal
+def _at_well_edge(
+    well: Any, model: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, n: Vector, distance: float,
+    gn: float, now: float,
 ) -> bool:  # fmt: skip
-    """The event at the edge of a well, if the pair is there."""
+    """Applies the event at the edge of a well, if the pair is there; whether it was."""
     if well is None:
         return False
     if not at_edge(well, model, i, j, distance * distance):
         return False
     rows, spins = particles.rows, particles.spins
     note_pair_before(tallies, fields, model, rows, spins, i, j, now)
-    impulse, bound = pass_edge(well, model, rows, particles.bonds, i, j, x, y, z, gn)
-    note_well(tallies, fields, model, rows, spins, i, j, x, y, z, distance, impulse, bound)
+    impulse, bound = pass_edge(well, model, rows, particles.bonds, i, j, n, gn)
+    note_well(tallies, fields, model, rows, spins, i, j, n, distance, impulse, bound)
     return True
 
 
-@inner
+@inline_internal
 def _collide(
     model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, now: float, instant: float
 ) -> int:
@@ -431,26 +454,27 @@ def _collide(
     if _no_bond_left(particles.bonds, i, j):
         return BONDS_FULL
     rows, ints, spins = particles.rows, particles.ints, particles.spins
-    age_i, age_j = _age(rows, ints, i, now), _age(rows, ints, j, now)
+    age_i, age_j = _time_since_collision(rows, ints, i, now), _time_since_collision(rows, ints, j, now)
     fixed = is_fixed(model.inverse_masses, j)
-    _bring(model, grid, rows, i, now)
+    _advance_to_now(model, grid, rows, i, now)
     if not fixed:
-        _bring(model, grid, rows, j, now)
+        _advance_to_now(model, grid, rows, j, now)
     x, y, z = nearest(model, rows, i, j)
     distance = np.sqrt(x * x + y * y + z * z)
     x, y, z = x / distance, y / distance, z / distance
+    n = (x, y, z)
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
     speed2 = 0.0
     for k in range(3):
         speed2 += rows[i, SPEED + k] ** 2 + rows[j, SPEED + k] ** 2
     status = PAUSED
-    if not _passed(model.well, model, particles, tallies, fields, i, j, x, y, z, distance, gn, now) and gn < 0.0:
-        recent = in_contact_still(model.contact_duration, min(age_i, age_j))
+    if not _at_well_edge(model.well, model, particles, tallies, fields, i, j, n, distance, gn, now) and gn < 0.0:
+        recent = still_in_contact(model.contact_duration, min(age_i, age_j))
         alpha = normal_restitution(model.restitution, recent)
         note_pair_before(tallies, fields, model, rows, spins, i, j, now)
-        px, py, pz = pair_impulse(model.rough, spins, model, rows, i, j, x, y, z, gn, alpha, recent)
-        kick(model, rows, i, j, px, py, pz)
-        note_pair_after(tallies, fields, model, rows, spins, i, j, x, y, z, distance, px, py, pz)
+        impulse = pair_impulse(model.rough, spins, model, rows, i, j, n, gn, alpha, recent)
+        apply_impulse(model, rows, i, j, impulse)
+        note_pair_after(tallies, fields, model, rows, spins, i, j, n, distance, impulse)
         status = REACHED
     ints[i, COUNT] += 1
     if not fixed:
@@ -467,9 +491,9 @@ def _collide(
     return status
 
 
-@inner
-def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
-    """The particle passes a face of its cell, into the next one; False: that is full."""
+@inline_internal
+def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
+    """Moves the particle through a face of its cell into the next one; False, and no change, if that is full."""
     rows, ints, images = particles.rows, particles.ints, particles.images
     face = ints[i, OWN]
     k = face >> 1
@@ -483,46 +507,48 @@ def _cross(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: floa
     if full:
         return False
     note_crossing(fields, model, rows, particles.spins, particles.bonds, i, face, now)
-    _leave(grid, particles, i)
+    _leave_cell(grid, particles, i)
     ints[i, CELL + k] = cell
     rows[i, k] -= turn * model.lengths[k]
     images[i, k] += turn
-    _enter(grid, particles, i)
+    _enter_cell(grid, particles, i)
     return True
 
 
-@inner
-def _hit(model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float) -> bool:
-    """The particle hits a wall; True is a collapse."""
+@inline_internal
+def _hit_wall(
+    model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float
+) -> bool:
+    """Applies the collision of a particle with a wall; True if it is an inelastic collapse."""
     rows, ints, spins = particles.rows, particles.ints, particles.spins
-    age = _age(rows, ints, i, now)
-    _bring(model, grid, rows, i, now)
-    recent = in_contact_still(model.contact_duration, age)
+    age = _time_since_collision(rows, ints, i, now)
+    _advance_to_now(model, grid, rows, i, now)
+    recent = still_in_contact(model.contact_duration, age)
     note_wall_before(tallies, fields, model, rows, spins, i, now)
     face = ints[i, OWN] - WALL
-    if ints[i, OWN] == DRUM:
+    if ints[i, OWN] == CYLINDER:
         face = 2 * len(model.lengths)
-        at_drum(model, model.drum, rows, spins, i, recent)
+        at_cylinder(model, model.cylinder, rows, spins, i, recent)
     else:
         instant = max(instant, resting_flight(model.walls, model, face))
         at_plane(model, model.walls, rows, spins, i, ints[i, COUNT], face, now, recent)
     note_wall_after(tallies, fields, model, rows, spins, i, face)
-    note_drum(tallies, model, rows, i, face)
+    note_cylinder(tallies, model, rows, i, face)
     ints[i, COUNT] += 1
     ints[i, STREAK] = ints[i, STREAK] + 1 if age < instant else 0
     return ints[i, STREAK] > COLLAPSE
 
 
-@inner
-def _note(trace: Any, now: float, i: int, j: int) -> None:
+@inline_internal
+def _append_to_trace(trace: Any, now: float, i: int, j: int) -> None:
     if trace is not None:
         place = trace.filled[0]
-        trace.time[place], trace.who[place, 0], trace.who[place, 1] = now, i, j
+        trace.time[place], trace.pairs[place, 0], trace.pairs[place, 1] = now, i, j
         trace.filled[0] = place + 1
 
 
-@inner
-def _full(trace: Any) -> bool:
+@inline_internal
+def _trace_is_full(trace: Any) -> bool:
     if trace is None:
         return False
     return trace.filled[0] >= trace.time.size
@@ -530,24 +556,26 @@ def _full(trace: Any) -> bool:
 
 @kernel
 def advance(
-    model: Any, grid: Any, particles: Any, store: Any, queue: Any, scratch: Any, tallies: Any, fields: Any, counts: Any,
-    trace: Any, progress: Any, clock: float, until: float, instant: float, most_pairs: int, most_changes: int,
+    model: Any, grid: Any, particles: Any, store: Any, queue: Any, scratch: Any, measured: Any, progress: Any,
+    clock: float, limits: Any,
 ) -> tuple[int, float]:  # fmt: skip
-    """Processes events until the time `until`, or one of two counts; why it stopped, and the time then."""
+    """Processes events from the time `clock` on until one of the `limits`; why it stopped, and the time then."""
+    tallies, fields, counts, trace = measured
+    until, instant, most_pairs, most_changes = limits
     rows, ints, own = particles.rows, particles.ints, particles.own
     now, status = clock, REACHED
     pairs, events, changes = progress[PAIRS], progress[EVENTS], progress[CHANGES]
-    interactions, asleep = progress[INTERACTIONS], progress[ASLEEP]
+    interactions, unpredicted = progress[INTERACTIONS], progress[UNPREDICTED]
     while True:
-        # all wake at one instant: to ask a queue for the first of many equal times can cost it all of them
-        if asleep < rows.shape[0]:
-            if is_fixed(model.inverse_masses, asleep):
-                asleep += 1
+        # at the start all are due at one time, and the calendar would compare all of these for each of them
+        if unpredicted < rows.shape[0]:
+            if is_fixed(model.inverse_masses, unpredicted):
+                unpredicted += 1
                 continue
-            i = asleep
+            i = unpredicted
         else:
             i = first(queue, counts)
-        warm(queue, i)
+        prefetch_entry(queue, i)
         pair_time, own_time = rows[i, NEXT], own[i]
         due = min(pair_time, own_time)
         if pairs >= most_pairs:
@@ -562,7 +590,7 @@ def advance(
         if not has_room(store, 2 * scratch.ids.size):
             status = STORE_FULL
             break
-        if _full(trace):
+        if _trace_is_full(trace):
             status = TRACE_FULL
             break
         now = max(now, due)
@@ -571,17 +599,17 @@ def advance(
         if own_time < pair_time:
             if ints[i, OWN] < WALL:
                 layer = ints[i, OWN]
-                if _cross(model, grid, particles, fields, i, now):
+                if _cross_cell_face(model, grid, particles, fields, i, now):
                     tick(counts, CROSSINGS, 1)
                 else:
                     status = CELL_FULL
-            elif ints[i, OWN] == WAKE:
-                asleep += 1
+            elif ints[i, OWN] == REPREDICT:
+                unpredicted += 1
             else:
                 interactions += 1
                 tick(counts, WALL_EVENTS, 1)
-                _note(trace, now, i, WALL - 1 - ints[i, OWN])
-                if _hit(model, grid, particles, tallies, fields, i, now, instant):
+                _append_to_trace(trace, now, i, WALL - 1 - ints[i, OWN])
+                if _hit_wall(model, grid, particles, tallies, fields, i, now, instant):
                     progress[FIRST], progress[SECOND] = i, -1
                     status = COLLAPSED
         else:
@@ -593,27 +621,27 @@ def advance(
                 anew, again = False, not keeps_all(store)
                 changes -= 1
             else:
-                warm(queue, j)
+                prefetch_entry(queue, j)
                 done = _collide(model, grid, particles, tallies, fields, i, j, now, instant)
                 pairs += done in (REACHED, COLLAPSED)
                 interactions += done != BONDS_FULL
                 if done != BONDS_FULL:
-                    _note(trace, now, i, j)
+                    _append_to_trace(trace, now, i, j)
                 if done == BONDS_FULL or done == COLLAPSED:
                     progress[FIRST], progress[SECOND] = i, j
                     status = done
                 if is_fixed(model.inverse_masses, j):
                     j = np.int64(-1)
-        if status == CELL_FULL or status == BONDS_FULL:  # nothing has happened yet
+        if status == CELL_FULL or status == BONDS_FULL:  # the event has not been applied
             break
         events += 1
         changes += 1
         if status == COLLAPSED:
             break
         if again and layer < 0:
-            forget(store, rows, ints, counts, i)
+            drop_events(store, rows, ints, counts, i)
             if j >= 0:
-                forget(store, rows, ints, counts, j)
+                drop_events(store, rows, ints, counts, j)
         one = i
         while one >= 0:
             if anew:
@@ -623,5 +651,5 @@ def advance(
             update(queue, counts, one, min(rows[one, NEXT], own[one]))
             one, j = j, np.int64(-1)
     progress[PAIRS], progress[EVENTS], progress[CHANGES] = pairs, events, changes
-    progress[INTERACTIONS], progress[ASLEEP] = interactions, asleep
+    progress[INTERACTIONS], progress[UNPREDICTED] = interactions, unpredicted
     return status, now

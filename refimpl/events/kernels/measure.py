@@ -1,14 +1,15 @@
-"""Measurement at events: exact averages, event observables and hydrodynamic fields (SPEC E16-E18).
+"""Measurement at events: exact averages, event observables and hydrodynamic fields.
 
-Every function does nothing, and compiles to nothing, where what it serves is `None`.
+Every function does nothing, and compiles to nothing, where the record that it writes to is `None`.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from refimpl.events.compiled import inner, kernel
-from refimpl.events.prediction import contact_distance, pull, radius_of
+from refimpl.events.kernels.compiled import inline_internal, kernel
+from refimpl.events.model import Vector
+from refimpl.events.prediction import contact_distance, field_along, radius_of
 
 #: Entries of `Tallies.sums`.
 (
@@ -58,7 +59,7 @@ class Fields(NamedTuple):
     ints: Any
 
 
-@inner
+@inline_internal
 def _mass(mass: float, inverse_masses: Any, i: int) -> float:
     """m_i; 0 for a fixed particle, which has no energy to give."""
     if inverse_masses is None:
@@ -66,8 +67,8 @@ def _mass(mass: float, inverse_masses: Any, i: int) -> float:
     return 1.0 / inverse_masses[i] if inverse_masses[i] > 0.0 else 0.0
 
 
-@inner
-def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
+@inline_internal
+def _rotational_energy(rough: Any, spins: Any, model: Any, i: int) -> float:
     """I w^2/2."""
     if rough is None or spins is None:
         return 0.0
@@ -76,14 +77,14 @@ def _spinning(rough: Any, spins: Any, model: Any, i: int) -> float:
     return 0.5 * inertia * (spins[i, 0] ** 2 + spins[i, 1] ** 2 + spins[i, 2] ** 2)
 
 
-@inner
-def _moving(model: Any, rows: Any, i: int) -> float:
+@inline_internal
+def _translational_energy(model: Any, rows: Any, i: int) -> float:
     """m v^2/2, of the state as it stands in the row."""
     mass = _mass(model.mass, model.inverse_masses, i)
     return 0.5 * mass * (rows[i, 3] ** 2 + rows[i, 4] ** 2 + rows[i, 5] ** 2)
 
 
-@inner
+@inline_internal
 def _accumulate(sums: Any, now: float) -> None:
     s = now - sums[SINCE]
     sums[ENERGY_TIME] += sums[ENERGY] * s
@@ -103,78 +104,87 @@ def accumulate(tallies: Any, now: float) -> None:
 # -- pairs -----------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, now: float) -> None:
     """Before the velocities of a pair change; both states are at the present."""
     if tallies is not None:
         _accumulate(tallies.sums, now)
-        tallies.sums[BEFORE] = _moving(model, rows, i) + _spinning(model.rough, spins, model, i)
-        tallies.sums[OTHER_BEFORE] = _moving(model, rows, j) + _spinning(model.rough, spins, model, j)
-    _stay_one(fields, model, rows, spins, i, now)
-    _stay_one(fields, model, rows, spins, j, now)
+        tallies.sums[BEFORE] = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i)
+        tallies.sums[OTHER_BEFORE] = _translational_energy(model, rows, j) + _rotational_energy(
+            model.rough, spins, model, j
+        )
+    _add_residence_if_measured(fields, model, rows, spins, i, now)
+    _add_residence_if_measured(fields, model, rows, spins, j, now)
 
 
-@inner
+@inline_internal
 def note_pair_after(
-    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
-    distance: float, px: float, py: float, pz: float,
+    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, n: Vector, distance: float,
+    impulse: Vector,
 ) -> None:  # fmt: skip
-    """After a collision that gave the momentum p to j; (x, y, z) is the normal."""
+    """After a collision that gave the momentum `impulse` to j; n is the normal."""
     if tallies is not None:
         sums = tallies.sums
-        lost_i = sums[BEFORE] - _moving(model, rows, i) - _spinning(model.rough, spins, model, i)
-        lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j) - _spinning(model.rough, spins, model, j)
+        (x, y, z), (px, py, pz) = n, impulse
+        lost_i = sums[BEFORE] - _translational_energy(model, rows, i) - _rotational_energy(model.rough, spins, model, i)
+        lost_j = (
+            sums[OTHER_BEFORE]
+            - _translational_energy(model, rows, j)
+            - _rotational_energy(model.rough, spins, model, j)
+        )
         contact = contact_distance(model.diameter, model.radii, i, j)
         sums[DEEPEST] = max(sums[DEEPEST], (contact - distance) / contact)
         sums[VIRIAL] += distance * (px * x + py * y + pz * z)
         sums[DISSIPATED] += lost_i + lost_j
         sums[ENERGY] -= lost_i + lost_j
-        _pair_fields(fields, model, rows, i, j, x, y, z, distance, px, py, pz, lost_i, lost_j, lost_i + lost_j, 1)
+        _pair_fields(fields, model, rows, i, j, n, distance, impulse, (lost_i, lost_j), lost_i + lost_j, 1)
 
 
-@inner
+@inline_internal
 def note_well(
-    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, x: float, y: float, z: float,
-    distance: float, impulse: float, bound: float,
+    tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, n: Vector, distance: float,
+    impulse: float, bound: float,
 ) -> None:  # fmt: skip
     """After an event at the edge of a well; bound: energy by which the pair is bound more than before."""
     if tallies is not None:
         sums = tallies.sums
-        lost_i = sums[BEFORE] - _moving(model, rows, i) - _spinning(model.rough, spins, model, i)
-        lost_j = sums[OTHER_BEFORE] - _moving(model, rows, j) - _spinning(model.rough, spins, model, j)
+        lost_i = sums[BEFORE] - _translational_energy(model, rows, i) - _rotational_energy(model.rough, spins, model, i)
+        lost_j = (
+            sums[OTHER_BEFORE]
+            - _translational_energy(model, rows, j)
+            - _rotational_energy(model.rough, spins, model, j)
+        )
         sums[VIRIAL] += impulse * distance
         sums[ENERGY] -= lost_i + lost_j
         sums[WELLS] -= bound
         half = 0.5 * bound
-        _pair_fields(
-            fields, model, rows, i, j, x, y, z, distance, impulse * x, impulse * y, impulse * z, lost_i + half,
-            lost_j + half, 0.0, 0,
-        )  # fmt: skip
+        vector = (impulse * n[0], impulse * n[1], impulse * n[2])
+        _pair_fields(fields, model, rows, i, j, n, distance, vector, (lost_i + half, lost_j + half), 0.0, 0)
 
 
 # -- walls -----------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     """Before a wall changes a particle's velocity; its state is at the present."""
     if tallies is not None:
         sums = tallies.sums
         _accumulate(sums, now)
-        sums[BEFORE] = _moving(model, rows, i) + _spinning(model.rough, spins, model, i)
+        sums[BEFORE] = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i)
         sums[SPEED_BEFORE] = rows[i, 3]
         sums[SPEED_BEFORE + 1] = rows[i, 4]
         sums[SPEED_BEFORE + 2] = rows[i, 5]
-    _stay_one(fields, model, rows, spins, i, now)
+    _add_residence_if_measured(fields, model, rows, spins, i, now)
 
 
-@inner
+@inline_internal
 def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, face: int) -> None:
     """After a wall has changed a particle's velocity."""
     if tallies is not None:
         sums, walls = tallies.sums, tallies.walls
         mass = _mass(model.mass, model.inverse_masses, i)
-        gained = _moving(model, rows, i) + _spinning(model.rough, spins, model, i) - sums[BEFORE]
+        gained = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i) - sums[BEFORE]
         px = mass * (rows[i, 3] - sums[SPEED_BEFORE])
         py = mass * (rows[i, 4] - sums[SPEED_BEFORE + 1])
         pz = mass * (rows[i, 5] - sums[SPEED_BEFORE + 2])
@@ -188,7 +198,7 @@ def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any
         _wall_fields(fields, i, px, py, pz, gained)
 
 
-@inner
+@inline_internal
 def _along(acceleration: Any, px: float, py: float, pz: float) -> float:
     """g.p"""
     if acceleration is None:
@@ -197,22 +207,22 @@ def _along(acceleration: Any, px: float, py: float, pz: float) -> float:
     return total + acceleration[len(acceleration) - 1] * pz if len(acceleration) == 3 else total
 
 
-@inner
-def note_drum(tallies: Any, model: Any, rows: Any, i: int, face: int) -> None:
+@inline_internal
+def note_cylinder(tallies: Any, model: Any, rows: Any, i: int, face: int) -> None:
     """Angular momentum about the axis that the drum gave to a particle, spin included: R x p is at the surface."""
     if tallies is not None:
-        _torque(tallies, model.drum, model, rows, i, face)
+        _torque(tallies, model.cylinder, model, rows, i, face)
 
 
-@inner
-def _torque(tallies: Any, drum: Any, model: Any, rows: Any, i: int, face: int) -> None:
-    if drum is not None:
+@inline_internal
+def _torque(tallies: Any, cylinder: Any, model: Any, rows: Any, i: int, face: int) -> None:
+    if cylinder is not None:
         if face == 2 * len(model.lengths):
             sums = tallies.sums
             mass = _mass(model.mass, model.inverse_masses, i)
-            first, second = drum.first, drum.second
+            first, second = cylinder.first, cylinder.second
             x, y = rows[i, first] - 0.5 * model.lengths[first], rows[i, second] - 0.5 * model.lengths[second]
-            stretch = drum.radius / np.sqrt(x * x + y * y)
+            stretch = cylinder.radius / np.sqrt(x * x + y * y)
             px = mass * (rows[i, 3 + first] - sums[SPEED_BEFORE + first])
             py = mass * (rows[i, 3 + second] - sums[SPEED_BEFORE + second])
             sums[TORQUE] += stretch * (x * py - y * px)
@@ -221,43 +231,43 @@ def _torque(tallies: Any, drum: Any, model: Any, rows: Any, i: int, face: int) -
 # -- fields ----------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _block(fields: Any, i: int, axis: int) -> int:
     return fields.ints[i, 3 + axis] // fields.blocks[axis]
 
 
-@inner
+@inline_internal
 def _place(fields: Any, i: int) -> int:
-    """Index of the field cell that a particle counts for."""
+    """Index of the field cell that a particle is in."""
     shape = fields.shape
     return (_block(fields, i, 2) * shape[1] + _block(fields, i, 1)) * shape[0] + _block(fields, i, 0)
 
 
-@inner
-def _stay(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
-    """Adds what the particle was since it was last added; its row may be older than that."""
+@inline_internal
+def _add_residence(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
+    """Adds the integrals of mass, momentum and energy of a particle over the time since this was last done."""
     mass = _mass(model.mass, model.inverse_masses, i)
     a, b = fields.since[i] - rows[i, 6], now - rows[i, 6]
     place = _place(fields, i)
     kinetic = 0.0
     for k in range(len(model.lengths)):
         v = rows[i, 3 + k]
-        g = pull(model.acceleration, k)
+        g = field_along(model.acceleration, k)
         fields.momentum[place, k] += mass * (v * (b - a) + 0.5 * g * (b * b - a * a))
         kinetic += v * v * (b - a) + v * g * (b * b - a * a) + g * g * (b**3 - a**3) / 3.0
     fields.mass[place] += mass * (b - a)
     fields.kinetic[place] += 0.5 * mass * kinetic
-    fields.rotational[place] += _spinning(model.rough, spins, model, i) * (b - a)
+    fields.rotational[place] += _rotational_energy(model.rough, spins, model, i) * (b - a)
     fields.since[i] = now
 
 
-@inner
-def _stay_one(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
+@inline_internal
+def _add_residence_if_measured(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: float) -> None:
     if fields is not None:
-        _stay(fields, model, rows, spins, i, now)
+        _add_residence(fields, model, rows, spins, i, now)
 
 
-@inner
+@inline_internal
 def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i: int, face: int, now: float) -> None:
     """Before a particle passes a face of its cell: if it is a field's too, mass, momentum and energy go through it."""
     if fields is not None:
@@ -266,29 +276,29 @@ def note_crossing(fields: Any, model: Any, rows: Any, spins: Any, bonds: Any, i:
         block = fields.blocks[axis]
         at_edge = (cell + 1) % block == 0 if up else cell % block == 0
         if at_edge:
-            _stay(fields, model, rows, spins, i, now)
+            _add_residence(fields, model, rows, spins, i, now)
             sign = 1.0 if up else -1.0
             mass = _mass(model.mass, model.inverse_masses, i)
             s = now - rows[i, 6]
-            energy = _spinning(model.rough, spins, model, i) + _bound(model.well, bonds, i)
+            energy = _rotational_energy(model.rough, spins, model, i) + _half_bond_energy(model.well, bonds, i)
             place = _face(fields, _place(fields, i), axis, up)
             fields.flux_mass[axis, place] += sign * mass
             for k in range(len(model.lengths)):
-                v = rows[i, 3 + k] + pull(model.acceleration, k) * s
+                v = rows[i, 3 + k] + field_along(model.acceleration, k) * s
                 energy += 0.5 * mass * v * v
                 fields.flux_momentum[axis, place, k] += sign * mass * v
             fields.flux_energy[axis, place] += sign * energy
 
 
-@inner
-def _bound(well: Any, bonds: Any, i: int) -> float:
+@inline_internal
+def _half_bond_energy(well: Any, bonds: Any, i: int) -> float:
     """A particle's half of the energy of its wells."""
     if well is None:
         return 0.0
     return -0.5 * well.depth * bonds[i, 0]
 
 
-@inner
+@inline_internal
 def _face(fields: Any, place: int, axis: int, up: int) -> int:
     """The cell whose lower face is the upper (lower) face of the cell `place`."""
     if not up:
@@ -299,7 +309,7 @@ def _face(fields: Any, place: int, axis: int, up: int) -> int:
     return place + stride if here + 1 < shape[axis] else place - here * stride
 
 
-@inner
+@inline_internal
 def _next(fields: Any, place: int, axis: int, up: int) -> int:
     """The next cell up (down) along an axis."""
     if up:
@@ -310,16 +320,17 @@ def _next(fields: Any, place: int, axis: int, up: int) -> int:
     return place - stride if here > 0 else place + (shape[axis] - 1) * stride
 
 
-@inner
+@inline_internal
 def _pair_fields(
-    fields: Any, model: Any, rows: Any, i: int, j: int, x: float, y: float, z: float, distance: float, px: float,
-    py: float, pz: float, lost_i: float, lost_j: float, lost: float, collision: int,
+    fields: Any, model: Any, rows: Any, i: int, j: int, n: Vector, distance: float, impulse: Vector,
+    losses: tuple[float, float], lost: float, collision: int,
 ) -> None:  # fmt: skip
     """Momentum and energy go from i to j along the line of centres, through the faces that it crosses.
 
     Irving and Kirkwood, J. Chem. Phys. 18, 817 (1950). Each partner's cell bears half of what is dissipated.
     """
     if fields is not None:
+        (x, y, z), (px, py, pz), (lost_i, lost_j) = n, impulse, losses
         here, there = _place(fields, i), _place(fields, j)
         fields.dissipation[here] += 0.5 * lost
         fields.dissipation[there] += 0.5 * lost
@@ -335,13 +346,13 @@ def _pair_fields(
                 if not (done >> k) & 1:
                     shape = fields.shape[k]
                     step = _block(fields, j, k) - _block(fields, i, k)
-                    if step > 1 or (step == 1 and shape == 2 and _toward(x, y, z, k) < 0.0):
+                    if step > 1 or (step == 1 and shape == 2 and _component_along(x, y, z, k) < 0.0):
                         step = -1
-                    elif step < -1 or (step == -1 and shape == 2 and _toward(x, y, z, k) > 0.0):
+                    elif step < -1 or (step == -1 and shape == 2 and _component_along(x, y, z, k) > 0.0):
                         step = 1
                     if step != 0:
                         edge = (_block(fields, i, k) + (1 if step > 0 else 0)) * fields.sides[k]
-                        along = (edge - rows[i, k]) / (distance * _toward(x, y, z, k))
+                        along = (edge - rows[i, k]) / (distance * _component_along(x, y, z, k))
                         if along < best:
                             best, axis, up = along, k, 1 if step > 0 else 0
             if axis < 0:
@@ -356,12 +367,12 @@ def _pair_fields(
             place = _next(fields, place, axis, up)
 
 
-@inner
-def _toward(x: float, y: float, z: float, axis: int) -> float:
+@inline_internal
+def _component_along(x: float, y: float, z: float, axis: int) -> float:
     return x if axis == 0 else (y if axis == 1 else z)
 
 
-@inner
+@inline_internal
 def _wall_fields(fields: Any, i: int, px: float, py: float, pz: float, gained: float) -> None:
     if fields is not None:
         place = _place(fields, i)
@@ -375,4 +386,4 @@ def _wall_fields(fields: Any, i: int, px: float, py: float, pz: float, gained: f
 def settle_fields(fields: Any, model: Any, rows: Any, spins: Any, now: float) -> None:
     """Brings the time integrals of every particle to the present."""
     for i in range(rows.shape[0]):
-        _stay(fields, model, rows, spins, i, now)
+        _add_residence(fields, model, rows, spins, i, now)

@@ -1,4 +1,4 @@
-"""A hint to the processor: which memory is needed soon."""
+"""Prefetch: a hint to the processor which memory is needed soon."""
 
 from typing import Any
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from refimpl.events.compiled import inner, kernel
+from refimpl.events.kernels.compiled import inline_internal, kernel
 
 
 @kernel
@@ -47,7 +47,7 @@ def find_bonds(
     return True
 
 
-@inner
+@inline_internal
 def _neighbour(cell_of: Any, counts: Any, wraps: Any, i: int, turn: int) -> tuple[int, int, int, int]:
     """The cell in one of 27 directions, -1 beyond a side that does not wrap, and how often it wraps along each axis."""
     nx, ny, nz = counts
@@ -62,7 +62,7 @@ def _neighbour(cell_of: Any, counts: Any, wraps: Any, i: int, turn: int) -> tupl
     return ((z - sz * nz) * ny + (y - sy * ny)) * nx + (x - sx * nx), sx, sy, sz
 
 
-@inner
+@inline_internal
 def _distance(x: Any, lengths: Any, i: int, j: int, sx: int, sy: int, sz: int) -> float:
     a = x[j, 0] - x[i, 0] + sx * lengths[0]
     b = x[j, 1] - x[i, 1] + sy * lengths[1]

@@ -1,4 +1,4 @@
-"""Which event is next: queues over the particles, and the stores of the events that each particle owns.
+"""Which event is next: queues over the particles, and the stores of the predicted events of each particle.
 
 A queue answers `first` (the particle whose next event is the earliest; of equal ones the lowest number) and takes
 `update` (a particle's next event has changed). `Tree`: complete binary tree, O(log N) (Marin, Risso and Cordero, J.
@@ -7,8 +7,8 @@ small span of time each, O(1) while their width fits the rate of events (Brown, 
 Comput. Phys. 221, 615 (2007)).
 
 A store keeps the predicted events of each owner. `Lists`: all of them, in a linked list in order of time, as
-documented (SPEC E12). `Earliest`: the first one only; the others are found again when they are needed (Lubachevsky,
-J. Comput. Phys. 94, 255 (1991)).
+Marin, Risso and Cordero have it. `Earliest`: the first one only; the others are found again when they are needed
+(Lubachevsky, J. Comput. Phys. 94, 255 (1991)).
 """
 
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from refimpl.events.compiled import INNER, inner, kernel
+from refimpl.events.kernels.compiled import INTERNAL, inline_internal, kernel
 from refimpl.events.kernels.memory import prefetch
 from refimpl.events.prediction import NEVER
 
@@ -27,14 +27,14 @@ PARTNER, PARTNER_COUNT, COUNT, CELL, OWN, STREAK = 0, 1, 2, 3, 6, 7
 SPEED, TIME, NEXT = 3, 6, 7
 #: Entries of the operation counts.
 COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS = range(6)
-#: Nodes that stay in the near caches.
+#: So many nodes stay in the first two caches.
 NEAR_NODES = 1 << 13
 
 
 class Tree(NamedTuple):
     """nodes, keys: (2N,) the winner below each node, and its time; 1 is the root, N + i the leaf of particle i.
 
-    A match looks at two neighbours in memory: a way through a large tree costs one cache line a level.
+    A comparison reads two neighbours in memory: an update of a large tree costs one cache line a level.
     """
 
     keys: Any
@@ -57,7 +57,7 @@ class Calendar(NamedTuple):
 
 
 class Earliest(NamedTuple):
-    """Nothing beside the rows: they hold each particle's earliest event."""
+    """A store without arrays of its own: `rows` and `ints` hold each particle's earliest event."""
 
     nothing: int
 
@@ -77,7 +77,7 @@ def _is(kind: Any, record: type) -> bool:
     return isinstance(kind, types.BaseNamedTuple) and kind.instance_class is record
 
 
-@inner
+@inline_internal
 def tick(counts: Any, what: int, number: int) -> None:
     """Counts operations; nothing at all where they are not counted."""
     if counts is not None:
@@ -87,7 +87,7 @@ def tick(counts: Any, what: int, number: int) -> None:
 # -- the tree --------------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     keys, nodes = queue.keys, queue.nodes
     place = nodes.size // 2 + i
@@ -109,9 +109,9 @@ def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     tick(counts, COMPARISONS, steps)
 
 
-@inner
-def _tree_warm(queue: Any, i: int) -> None:
-    # which way an update takes is known long before it does, and the upper levels are in the cache
+@inline_internal
+def _tree_prefetch(queue: Any, i: int) -> None:
+    # the nodes that an update will visit are known well before it starts; the upper levels are in the cache anyway
     place = queue.nodes.size // 2 + i
     while place > NEAR_NODES:
         prefetch(queue.keys, place * 8)
@@ -121,7 +121,7 @@ def _tree_warm(queue: Any, i: int) -> None:
 
 @kernel
 def build_tree(queue: Any, times: Any) -> None:
-    """Plays the whole tournament; with one particle the root is its leaf."""
+    """Fills all nodes from the leaves up; with one particle the root is its leaf."""
     keys, nodes = queue.keys, queue.nodes
     number = times.size
     for i in range(number):
@@ -137,14 +137,14 @@ def build_tree(queue: Any, times: Any) -> None:
 # -- the calendar ----------------------------------------------------------------------------------
 
 
-@inner
+@inline_internal
 def _day_of(queue: Any, key: float) -> int:
     day = key * queue.per_time[0]
-    # events that never come, or very late, wait on the last day that an integer can name
+    # events that never happen, or very late, belong to the last day that an integer can hold
     return np.int64(day) if day < 4e18 else np.int64(4_000_000_000_000_000_000)
 
 
-@inner
+@inline_internal
 def _put(queue: Any, i: int, key: float) -> None:
     day = max(_day_of(queue, key), queue.today[0])
     slot = day & (queue.heads.size - 1)
@@ -156,7 +156,7 @@ def _put(queue: Any, i: int, key: float) -> None:
     queue.heads[slot] = i
 
 
-@inner
+@inline_internal
 def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
     before, after = queue.before[i], queue.after[i]
     if before >= 0:
@@ -168,7 +168,7 @@ def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
     _put(queue, i, key)
 
 
-@inner
+@inline_internal
 def _calendar_first(queue: Any, counts: Any) -> int:
     mask, today = queue.heads.size - 1, queue.today[0]
     empty = 0
@@ -187,7 +187,7 @@ def _calendar_first(queue: Any, counts: Any) -> int:
             return found
         today += 1
         empty += 1
-        if empty > mask:  # a whole year without events: go to the day of the next one
+        if empty > mask:  # no event in any bucket of this round: go to the day of the next event
             today = queue.day[0]
             for k in range(1, queue.day.size):
                 today = min(today, queue.day[k])
@@ -203,8 +203,8 @@ def build_calendar(queue: Any, times: Any, now: float) -> None:
         _put(queue, i, times[i])
 
 
-@inner
-def _calendar_warm(queue: Any, i: int) -> None:
+@inline_internal
+def _calendar_prefetch(queue: Any, i: int) -> None:
     if queue.keys.size > NEAR_NODES:
         prefetch(queue.day, i * 8)
         prefetch(queue.keys, i * 8)
@@ -225,7 +225,7 @@ def first(queue: Any, counts: Any) -> int:
     raise TypeError(f"not a queue: {type(queue).__name__}")
 
 
-@overload(update, strict=False, jit_options=INNER)
+@overload(update, strict=False, jit_options=INTERNAL)
 def _update(queue: Any, counts: Any, i: int, key: float) -> Any:
     if _is(queue, Tree):
         return lambda queue, counts, i, key: _tree_update(queue, counts, i, key)
@@ -234,7 +234,7 @@ def _update(queue: Any, counts: Any, i: int, key: float) -> Any:
     return None
 
 
-@overload(first, strict=False, jit_options=INNER)
+@overload(first, strict=False, jit_options=INTERNAL)
 def _first(queue: Any, counts: Any) -> Any:
     if _is(queue, Tree):
         return lambda queue, counts: np.int64(queue.nodes[1])
@@ -243,25 +243,25 @@ def _first(queue: Any, counts: Any) -> Any:
     return None
 
 
-def warm(queue: Any, i: int) -> None:
-    """Hints that particle i's entry is about to change."""
+def prefetch_entry(queue: Any, i: int) -> None:
+    """Hints to the processor that particle i's entry is about to change."""
     raise TypeError(f"not a queue: {type(queue).__name__}")
 
 
-@overload(warm, strict=False, jit_options=INNER)
-def _warm(queue: Any, i: int) -> Any:
+@overload(prefetch_entry, strict=False, jit_options=INTERNAL)
+def _prefetch_entry(queue: Any, i: int) -> Any:
     if _is(queue, Tree):
-        return lambda queue, i: _tree_warm(queue, i)
+        return lambda queue, i: _tree_prefetch(queue, i)
     if _is(queue, Calendar):
-        return lambda queue, i: _calendar_warm(queue, i)
+        return lambda queue, i: _calendar_prefetch(queue, i)
     return None
 
 
 # -- the stores ------------------------------------------------------------------------------------
 
 
-@inner
-def _lists_forget(store: Any, counts: Any, i: int) -> None:
+@inline_internal
+def _lists_drop(store: Any, counts: Any, i: int) -> None:
     node = store.heads[i]
     if node >= 0:
         last, steps = node, 1
@@ -275,7 +275,7 @@ def _lists_forget(store: Any, counts: Any, i: int) -> None:
         tick(counts, MOVES, steps)
 
 
-@inner
+@inline_internal
 def _lists_add(store: Any, counts: Any, i: int, time: float, j: int, count: int) -> None:
     node = store.free[0]
     store.free[0] = store.after[node]
@@ -293,8 +293,8 @@ def _lists_add(store: Any, counts: Any, i: int, time: float, j: int, count: int)
     tick(counts, MOVES, steps)
 
 
-@inner
-def _lists_show(store: Any, rows: Any, ints: Any, i: int) -> None:
+@inline_internal
+def _lists_publish_head(store: Any, rows: Any, ints: Any, i: int) -> None:
     """The head of i's list becomes its next event."""
     node = store.heads[i]
     if node < 0:
@@ -304,7 +304,7 @@ def _lists_show(store: Any, rows: Any, ints: Any, i: int) -> None:
         ints[i, PARTNER_COUNT] = store.count[node]
 
 
-@inner
+@inline_internal
 def _lists_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     node = store.heads[i]
     store.heads[i] = store.after[node]
@@ -312,16 +312,16 @@ def _lists_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     store.free[0] = node
     store.free[1] += 1
     tick(counts, MOVES, 1)
-    _lists_show(store, rows, ints, i)
+    _lists_publish_head(store, rows, ints, i)
 
 
-def forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+def drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     """Drops every pair event that i owns."""
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(forget, strict=False, jit_options=INNER)
-def _forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
+@overload(drop_events, strict=False, jit_options=INTERNAL)
+def _drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
     if _is(store, Earliest):
 
         def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
@@ -331,8 +331,8 @@ def _forget(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
         return earliest
 
     def lists(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
-        _lists_forget(store, counts, i)
-        _lists_show(store, rows, ints, i)
+        _lists_drop(store, counts, i)
+        _lists_publish_head(store, rows, ints, i)
 
     return lists
 
@@ -342,7 +342,7 @@ def keeps_all(store: Any) -> bool:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(keeps_all, strict=False, jit_options=INNER)
+@overload(keeps_all, strict=False, jit_options=INTERNAL)
 def _keeps_all(store: Any) -> Any:
     if _is(store, Lists):
         return lambda store: True
@@ -354,7 +354,7 @@ def has_room(store: Any, number: int) -> bool:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(has_room, strict=False, jit_options=INNER)
+@overload(has_room, strict=False, jit_options=INTERNAL)
 def _has_room(store: Any, number: int) -> Any:
     if _is(store, Lists):
         return lambda store, number: store.free[1] >= number
@@ -366,12 +366,12 @@ def add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: i
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(add, strict=False, jit_options=INNER)
+@overload(add, strict=False, jit_options=INTERNAL)
 def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> Any:
     if _is(store, Earliest):
 
         def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
-            # where the partner is busy before that, it will find this event itself, if it is still there then
+            # where the partner has an earlier event, this one will be predicted again after that, if it is still due
             if time < rows[i, NEXT] and time < rows[j, NEXT]:
                 rows[i, NEXT] = time
                 ints[i, PARTNER], ints[i, PARTNER_COUNT] = j, ints[j, COUNT]
@@ -380,7 +380,7 @@ def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: 
 
     def lists(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
         _lists_add(store, counts, i, time, j, ints[j, COUNT])
-        _lists_show(store, rows, ints, i)
+        _lists_publish_head(store, rows, ints, i)
 
     return lists
 
@@ -390,7 +390,7 @@ def pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     raise TypeError(f"not a store: {type(store).__name__}")
 
 
-@overload(pop, strict=False, jit_options=INNER)
+@overload(pop, strict=False, jit_options=INTERNAL)
 def _pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
     if _is(store, Lists):
         return lambda store, rows, ints, counts, i: _lists_pop(store, rows, ints, counts, i)

@@ -7,12 +7,15 @@ the periodic images of the other end; further bits of the padding hold nothing.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numba.extending import overload, register_jitable
 
 from refimpl.lattice.kernels.words import (
     WIDTH,
+    any_bit,
     arrivals,
     chosen,
     collided,
@@ -21,7 +24,6 @@ from refimpl.lattice.kernels.words import (
     population,
     pushed,
     reflected,
-    some,
     splat,
     store,
 )
@@ -32,6 +34,19 @@ from refimpl.lattice.randomness import COLLISION, DIGITS, FORCING, ROW, WALLS, r
 PAD = WIDTH
 _ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 _NONE = np.uint64(0)
+
+
+class Push(NamedTuple):
+    """A force along x.
+
+    threshold: its probability in units of 2^-DIGITS. sign: +1 or -1, the direction. inside: the words of a row with
+    the bits of its columns set. impulses: (rows,), to which the numbers of particles pushed are added.
+    """
+
+    threshold: int
+    sign: int
+    inside: np.ndarray
+    impulses: np.ndarray
 
 
 @register_jitable
@@ -62,7 +77,7 @@ def _collide_compiled(model, occupied, key, place):  # type: ignore[no-untyped-d
         bits = (_word(key, 0, place), _word(key, 1, place))
         after, again = collided(model, occupied, bits)
         draw = 2
-        while some(again):
+        while any_bit(again):
             bits = chosen(again, (_word(key, draw, place), _word(key, draw + 1, place)), bits)
             after, again = collided(model, occupied, bits)
             draw += 2
@@ -106,16 +121,15 @@ def seal(planes, shape):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance(  # type: ignore[no-untyped-def]
-    model, source, target, walls, wall_draws, force, inside, moved, shape, first, last, seed, step, steps
+    model, source, target, walls, wall_draws, push, shape, stretch, seed, step, steps
 ):
-    """Rows first ... last - 1 by `steps` steps from `step` on; more than one step only for all rows.
+    """The rows of `stretch`, (first, end), by `steps` steps from `step` on; more than one step only for all rows.
 
     source, target: planes; the last state is in `target` after an odd number of steps, in `source` after an even one.
     walls: None or planes (reverse x, reverse y); wall_draws: None or planes of the sites that reverse x, y with
-    probability 1/2. force: None or (threshold, sign); inside: the words of a row with the bits of its columns set;
-    moved: None or (rows,), to which the numbers of particles pushed are added. shape: rows, columns, words of a row,
-    stride of the rows, size of a plane.
+    probability 1/2. push: None or `Push`. shape: rows, columns, words of a row, stride of the rows, size of a plane.
     """
+    first, last = stretch
     rows, columns, words, stride, size = shape
     channels = len(source) // size
     for now in range(step, step + steps):
@@ -124,7 +138,7 @@ def advance(  # type: ignore[no-untyped-def]
             here = row * stride + PAD
             above = ((row + 1) % rows) * stride + PAD
             key = row_key(seed, COLLISION, np.uint64(now), np.uint64(row))
-            if force is not None:
+            if push is not None:
                 force_key = row_key(seed, FORCING, np.uint64(now), np.uint64(row))
                 count = 0
             if wall_draws is not None:
@@ -143,20 +157,19 @@ def advance(  # type: ignore[no-untyped-def]
                         solid = solid | draw_x | draw_y
                         flip_x, flip_y = flip_x | (draw_x & coin), flip_y | (draw_y & coin)
                     bounced = reflected(model, found, flip_x, flip_y)
-                if force is not None:
-                    threshold, sign = force
-                    where = _bernoulli(force_key, threshold, k) & load(inside, k)
+                if push is not None:
+                    where = _bernoulli(force_key, push.threshold, k) & load(push.inside, k)
                     if walls is not None:
                         where = where & ~solid
-                    along = splat(_ALL if sign > 0 else _NONE)
+                    along = splat(_ALL if push.sign > 0 else _NONE)
                     found, went = pushed(model, found, where & along, where & ~along)
                     count += population(went)
                 found = _collide(model, found, key, k)
                 if walls is not None:
                     found = chosen(solid, bounced, found)
                 store(found, target, here + k, size)
-            if force is not None:
-                moved[row] += count
+            if push is not None:
+                push.impulses[row] += count
             _seal(target, channels, here, size, columns)
         source, target = target, source
 

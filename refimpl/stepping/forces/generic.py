@@ -1,9 +1,10 @@
-"""The questions that an integrator asks of a force, each answered by the force's own module.
+"""The functions of a force that an integrator calls, each implemented in the module of the force.
 
-A force is a `typing.NamedTuple`: a plain record of parameters and work arrays. It answers by registering one function
-per question. A `None` field is an absent feature: numba prunes its branch from a function that gets the field as an
-argument (not as an attribute), so answers unpack the record and hand the fields on. The same call works in plain Python
-(dispatch on the class at run time) and inside a numba kernel (dispatch on the type at compile time).
+A force is a `typing.NamedTuple`: a plain record of parameters and work arrays. Each function here dispatches on its
+class: in plain Python at run time, in a numba kernel at compile time. A `None` field is an absent feature: numba prunes
+its branch from a function that gets the field as an argument (not as an attribute), so implementations unpack the
+record and hand the fields on. `force`, the first argument of all, is such a record; r and v are its flat coordinates
+and velocities; all units are those of the force's parameters.
 
 State arrays are flat: `r` and `v` have shape `(N * d,)`, particle after particle. Flat arrays compile about three
 times faster than two-dimensional ones, and a scheme that works on coordinates needs no shape.
@@ -12,133 +13,135 @@ times faster than two-dimensional ones, and a scheme that works on coordinates n
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from functools import wraps
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numba.extending import overload
 
 Implementation = TypeVar("Implementation", bound=Callable[..., Any])
+#: A record of parameters and work arrays; what it can do is registered, so no protocol describes it.
+Force: TypeAlias = Any
 
 #: `status` values of a force, read by the step loop after every evaluation.
 GOOD = 0
 NEEDS_CAPACITY = 1  # a work array is too small: `enlarge` the force and repeat the step
 DIVERGED = 2  # a coordinate is not finite, absurdly far off, or on the wrong side of a wall
 
-_answers: dict[Callable[..., Any], dict[type, Callable[..., Any]]] = {}
+_implementations: dict[Callable[..., Any], dict[type, Callable[..., Any]]] = {}
 _defaults: dict[Callable[..., Any], Callable[..., Any]] = {}
 
 
-def _question(function: Implementation) -> Implementation:
-    """Makes `function(force, ...)` dispatch on the class of `force`; its own body is the answer of all others."""
+def _dispatched(function: Implementation) -> Implementation:
+    """Makes `function(force, ...)` dispatch on the class of `force`; its own body is the default."""
     table: dict[type, Callable[..., Any]] = {}
 
-    def ask(force: Any, *arguments: Any) -> Any:
+    @wraps(function)
+    def call(force: Any, *arguments: Any) -> Any:
         return table.get(type(force), function)(force, *arguments)
 
-    ask.__name__ = function.__name__
-    ask.__doc__ = function.__doc__
-    _answers[ask] = table
-    _defaults[ask] = function
-    return ask  # type: ignore[return-value]
+    _implementations[call] = table
+    _defaults[call] = function
+    return call  # type: ignore[return-value]
 
 
-def answers(question: Callable[..., Any], force_class: type) -> Callable[[Implementation], Implementation]:
-    """Registers the decorated function as the answer of `force_class` to `question`.
+def implements(function: Callable[..., Any], force_class: type) -> Callable[[Implementation], Implementation]:
+    """Registers the decorated function as what `function`, one of this module, does for forces of `force_class`.
 
-    The function must be plain Python that numba can compile (it may call jitted kernels), with the same argument
-    names as the question.
+    The decorated function must be plain Python that numba can compile (it may call jitted kernels), with the argument
+    names of `function`.
     """
 
-    def register(function: Implementation) -> Implementation:
-        _answers[question][force_class] = function
-        return function
+    def register(implementation: Implementation) -> Implementation:
+        _implementations[function][force_class] = implementation
+        return implementation
 
     return register
 
 
-def _compiled_answer(question: Callable[..., Any], force: Any) -> Callable[..., Any] | None:
+def _compiled_implementation(function: Callable[..., Any], force: Any) -> Callable[..., Any] | None:
     force_class: Any = getattr(force, "instance_class", None)
-    return _answers[question].get(force_class, _defaults[question])
+    return _implementations[function].get(force_class, _defaults[function])
 
 
-@_question
-def accelerate(force: Any, r: np.ndarray, v: np.ndarray) -> np.ndarray:
+@_dispatched
+def accelerate(force: Force, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Acceleration f(r, v)/m of every coordinate, shape (N*d,)."""
     raise NotImplementedError("this force has no acceleration")
 
 
-@_question
-def potential_energy(force: Any, r: np.ndarray) -> float:
+@_dispatched
+def potential_energy(force: Force, r: np.ndarray) -> float:
     """Total potential energy U(r)."""
     raise NotImplementedError("this force has no potential energy")
 
 
-@_question
-def kinetic_energy(force: Any, v: np.ndarray) -> float:
+@_dispatched
+def kinetic_energy(force: Force, v: np.ndarray) -> float:
     """Total kinetic energy K = sum m v^2 / 2, with the masses that the force holds."""
     raise NotImplementedError("this force holds no masses")
 
 
-@_question
-def virial(force: Any, r: np.ndarray) -> float:
+@_dispatched
+def virial(force: Force, r: np.ndarray) -> float:
     """Virial W = sum over pairs of r_ij . F_ij; the pressure is (2 K + W)/(d V)."""
     raise NotImplementedError("this force has no virial")
 
 
-@_question
-def energy_and_virial(force: Any, r: np.ndarray) -> tuple[float, float]:
-    """U(r) and W(r) together: a force that finds both in one pass over its pairs answers this too."""
+@_dispatched
+def energy_and_virial(force: Force, r: np.ndarray) -> tuple[float, float]:
+    """U(r) and W(r) together; a force that finds both in one pass over its pairs implements this itself."""
     return potential_energy(force, r), virial(force, r)
 
 
-@_question
-def derivatives(force: Any, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
-    """The time derivatives r_3, r_4, ... of the coordinates, shape (count, N*d); zeros where they are not known."""
+@_dispatched
+def derivatives(force: Force, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
+    """The first `count` time derivatives r_3, r_4, ... of the coordinates, shape (count, N*d); by default zeros."""
     return np.zeros((count, r.size))
 
 
-@_question
-def status(force: Any) -> int:
+@_dispatched
+def status(force: Force) -> int:
     """GOOD, NEEDS_CAPACITY or DIVERGED: the outcome of the last evaluation."""
     return GOOD
 
 
-@_question
-def enlarge(force: Any) -> Any:
-    """The same force with larger work arrays, after `status` said NEEDS_CAPACITY. Asked from Python only."""
+@_dispatched
+def enlarge(force: Force) -> Force:
+    """The same force with larger work arrays, after `status` was NEEDS_CAPACITY. Called from Python only."""
     raise NotImplementedError("this force has no work arrays")
 
 
 @overload(accelerate, inline="never", strict=False)
 def _accelerate(force: Any, r: Any, v: Any) -> Any:
-    return _compiled_answer(accelerate, force)
+    return _compiled_implementation(accelerate, force)
 
 
 @overload(potential_energy, inline="never", strict=False)
 def _potential_energy(force: Any, r: Any) -> Any:
-    return _compiled_answer(potential_energy, force)
+    return _compiled_implementation(potential_energy, force)
 
 
 @overload(kinetic_energy, inline="never", strict=False)
 def _kinetic_energy(force: Any, v: Any) -> Any:
-    return _compiled_answer(kinetic_energy, force)
+    return _compiled_implementation(kinetic_energy, force)
 
 
 @overload(virial, inline="never", strict=False)
 def _virial(force: Any, r: Any) -> Any:
-    return _compiled_answer(virial, force)
+    return _compiled_implementation(virial, force)
 
 
 @overload(energy_and_virial, inline="never", strict=False)
 def _energy_and_virial(force: Any, r: Any) -> Any:
-    return _compiled_answer(energy_and_virial, force)
+    return _compiled_implementation(energy_and_virial, force)
 
 
 @overload(derivatives, inline="never", strict=False)
 def _derivatives(force: Any, r: Any, v: Any, count: Any) -> Any:
-    return _compiled_answer(derivatives, force)
+    return _compiled_implementation(derivatives, force)
 
 
 @overload(status, inline="never", strict=False)
 def _status(force: Any) -> Any:
-    return _compiled_answer(status, force)
+    return _compiled_implementation(status, force)

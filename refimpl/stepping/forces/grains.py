@@ -39,20 +39,32 @@ from numba.extending import register_jitable
 
 from refimpl.stepping.forces.generic import (
     accelerate,
-    answers,
     energy_and_virial,
     enlarge,
+    implements,
     kinetic_energy,
     status,
 )
-from refimpl.stepping.kernels.contacts import NEEDED, NO_LIMIT, STATUS, Model, elastic_energy, grain_accelerations
+from refimpl.stepping.kernels.contacts import (
+    NEEDED,
+    NO_LIMIT,
+    STATUS,
+    ContactModel,
+    elastic_energy,
+    grain_accelerations,
+)
 
 #: Default skin of the pair list, over the largest diameter.
 SKIN = 0.3
 
 
-class Law(NamedTuple):
-    """k; gamma or c; k_t; gamma_t or c_t; mu: see the module's equations."""
+class ContactLaw(NamedTuple):
+    """The coefficients of a contact, in the module's equations.
+
+    stiffness: k, force/length (Hooke) or force/length^2 (Hertz). damping: gamma, 1/time (Hooke) or 1/(time length)
+    (Hertz), or the number c. tangential_stiffness: k_t, as k. tangential_damping: gamma_t or c_t, as `damping`.
+    friction: Coulomb's mu, no dimension; infinite for no limit.
+    """
 
     stiffness: float
     damping: float = 0.0
@@ -61,30 +73,33 @@ class Law(NamedTuple):
     friction: float = 0.0
 
 
-class Plane(NamedTuple):
-    """A wall at `place` along `axis`, the grains on the side to which `sign` (+1, -1) points.
+class SoftPlane(NamedTuple):
+    """A soft plane wall across an axis, that moves by sign amplitude cos(frequency t + phase).
 
-    It moves by sign amplitude cos(frequency t + phase).
+    axis: 0 ... d - 1. sign: +1 or -1, the side of the grains. place: mean position along the axis, length. law: of its
+    contacts. amplitude: length. frequency: radians/time. phase: radians.
     """
 
     axis: int
     sign: int
     place: float
-    law: Law
+    law: ContactLaw
     amplitude: float = 0.0
     frequency: float = 0.0
     phase: float = 0.0
 
 
-class Cylinder(NamedTuple):
-    """The inside of a cylinder about a line along `axis` (2D: 2) through `centre` (both other coordinates, in order).
+class SoftCylinder(NamedTuple):
+    """A soft wall: the inside of a cylinder, which may turn about its axis.
 
-    It turns at angular_velocity from the first of these coordinates to the second.
+    radius: length. centre: the two coordinates of its axis, in order. law: of its contacts. axis: its direction, 0, 1
+    or 2; 2 in two dimensions. angular_velocity: from the first of the two other coordinates to the second,
+    radians/time.
     """
 
     radius: float
     centre: tuple[float, float]
-    law: Law
+    law: ContactLaw
     axis: int = 2
     angular_velocity: float = 0.0
 
@@ -92,12 +107,14 @@ class Cylinder(NamedTuple):
 class Grains(NamedTuple):
     """Soft grains; build them with `grains`. Absent features are None or empty.
 
-    sides: box side of each periodic axis, 0 for others. inverse_inertias: (N,), None of smooth grains. gravity: (d,).
-    law, walls, cylinder: rows of numbers, see refimpl.stepping.kernels.contacts. auxiliary: number of the coordinates
+    sides: box side of each periodic axis, 0 for others. radii, masses, inverse_masses: (N,). inverse_inertias: (N,),
+    None of smooth grains. gravity: acceleration (d,). law, walls, cylinder: rows of numbers, see
+    refimpl.stepping.kernels.contacts. model: which equations. skin, built: of the pair list, and the positions (N*d,)
+    for which it was made. auxiliary: number of the coordinates
     after the angles: the clock and, if they are tallied, the number of touching pairs, sum r_ij . F_ij, the forces on
     each wall and on the cylinder (d each), and the torque of the cylinder on the grains. pairs: (P, 2); reach2: squared
     contact distances; touching, stretches (P, 3) and wall_stretches (walls + 1, N, 3): of rough grains. clock: (1,), of
-    the last evaluation. state: see STATUS in the kernels.
+    the last evaluation. bookkeeping: see STATUS in the kernels.
     """
 
     sides: tuple[float, ...]
@@ -107,7 +124,7 @@ class Grains(NamedTuple):
     inverse_inertias: np.ndarray | None
     gravity: np.ndarray
     law: np.ndarray
-    model: Model
+    model: ContactModel
     walls: np.ndarray
     cylinder: np.ndarray
     auxiliary: int
@@ -119,21 +136,21 @@ class Grains(NamedTuple):
     stretches: np.ndarray
     wall_stretches: np.ndarray
     clock: np.ndarray
-    state: np.ndarray
+    bookkeeping: np.ndarray
 
     @property
     def tallied(self) -> bool:
-        """More than the clock is integrated."""
+        """Whether more than the clock is integrated."""
         return self.auxiliary > 1
 
 
-def _row(law: Law) -> list[float]:
+def _row(law: ContactLaw) -> list[float]:
     if not all(value >= 0 for value in law) or not all(np.isfinite(law[:4])) or law.stiffness == 0:
         raise ValueError(f"a contact law needs a positive stiffness and other numbers that are not negative, got {law}")
     return [*law[:4], min(law.friction, NO_LIMIT)]
 
 
-def _cylinder_row(cylinder: Cylinder) -> np.ndarray:
+def _cylinder_row(cylinder: SoftCylinder) -> np.ndarray:
     across = [axis for axis in range(3) if axis != cylinder.axis]
     numbers = [cylinder.radius, *cylinder.centre, *across, cylinder.angular_velocity]
     return np.array([*numbers, *_row(cylinder.law)], dtype=np.float64)
@@ -143,8 +160,8 @@ def _check_surroundings(
     lengths: Sequence[float],
     periodic: Sequence[bool],
     gravity: Sequence[float] | None,
-    walls: Sequence[Plane],
-    cylinder: Cylinder | None,
+    walls: Sequence[SoftPlane],
+    cylinder: SoftCylinder | None,
 ) -> None:
     """ValueError for a box, a field or walls that cannot be."""
     dimension = len(lengths)
@@ -170,11 +187,11 @@ def grains(
     masses: np.ndarray,
     lengths: Sequence[float],
     periodic: Sequence[bool],
-    law: Law,
+    law: ContactLaw,
     inertia: float | None = None,
     gravity: Sequence[float] | None = None,
-    walls: Sequence[Plane] = (),
-    cylinder: Cylinder | None = None,
+    walls: Sequence[SoftPlane] = (),
+    cylinder: SoftCylinder | None = None,
     hertz: bool = False,
     damping: Literal["mass", "restitution"] = "restitution",
     history: bool = True,
@@ -182,11 +199,17 @@ def grains(
     tallies: bool = False,
     skin: float | None = None,
 ) -> Grains:
-    """Soft grains of these radii and masses, (N,), in a box of these `lengths`, of which only periodic ones matter.
+    """Soft grains in a box.
 
-    inertia: q in I = q m R^2; None: smooth grains, which do not turn. The rest as in the module's equations. tallies:
-    integrate what `TALLIES` names. skin: of the pair list, by default SKIN times the largest diameter; for speed only.
-    Raises ValueError for sizes that do not match and numbers out of range.
+    radii, masses: (N,). lengths, periodic: (d,) box sides, of which only those of periodic axes matter. law: of the
+    contacts of pairs. inertia: q in I = q m R^2; None: smooth grains, which do not turn. gravity: acceleration (d,), or
+    None. walls, cylinder: what is there of them. hertz, damping, history, granular: which of the module's equations.
+    tallies: integrate number of contacts, virial, forces on walls and torque of the cylinder too, see `Grains`. skin:
+    of the pair list, a length, by default SKIN times the largest diameter; it changes the speed only. Units: any
+    consistent set.
+
+    Raises ValueError for arrays of unequal sizes, for numbers out of range, and for periodic sides of no more than two
+    diameters.
     """
     radii, masses = np.array(radii, dtype=np.float64), np.array(masses, dtype=np.float64)
     dimension, number = len(lengths), radii.size
@@ -217,7 +240,7 @@ def grains(
         inverse_inertias=1 / (inertia * masses * radii**2) if inertia is not None else None,
         gravity=np.zeros(dimension) if gravity is None else np.array(gravity, dtype=np.float64),
         law=np.array(_row(law)),
-        model=Model(hertz, damping == "mass", history, granular),
+        model=ContactModel(hertz, damping == "mass", history, granular),
         walls=np.array(rows, dtype=np.float64).reshape(len(rows), 11),
         cylinder=np.zeros(0) if cylinder is None else _cylinder_row(cylinder),
         auxiliary=1 + (2 + (len(rows) + 1) * dimension + 1 if tallies else 0),
@@ -229,7 +252,7 @@ def grains(
         stretches=stretches,
         wall_stretches=np.zeros((len(rows) + 1, number if rough else 0, 3)),
         clock=np.full(1, np.nan),
-        state=np.zeros(5, dtype=np.int64),
+        bookkeeping=np.zeros(5, dtype=np.int64),
     )
 
 
@@ -246,7 +269,10 @@ def _room(pairs: int, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
 def coordinates(
     force: Grains, positions: np.ndarray, velocities: np.ndarray, spins: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Flat r and v at time 0 of grains at these positions and velocities, (N, d), and spins, (N, 1 | 3), or at rest."""
+    """Flat r and v of the `force` at time 0, with angles and tallies 0.
+
+    positions, velocities: (N, d). spins: angular velocities, (N, 1) in two dimensions or (N, 3) in three; None: 0.
+    """
     turning = () if force.inverse_inertias is None else (3 if len(force.sides) == 3 else 1,)
     angles = np.zeros((force.radii.size, *turning)) if turning else np.zeros(0)
     rest = np.zeros(force.auxiliary)
@@ -257,33 +283,10 @@ def coordinates(
     return r, v
 
 
-@answers(accelerate, Grains)
+@implements(accelerate, Grains)
 def _accelerate(force: Grains, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     a = np.empty(r.size)
-    grain_accelerations(
-        force.sides,
-        force.radii,
-        force.inverse_masses,
-        force.inverse_inertias,
-        force.gravity,
-        force.law,
-        force.model,
-        force.walls,
-        force.cylinder,
-        force.auxiliary,
-        force.skin,
-        force.built,
-        force.pairs,
-        force.reach2,
-        force.touching,
-        force.stretches,
-        force.wall_stretches,
-        force.clock,
-        force.state,
-        r,
-        v,
-        a,
-    )
+    grain_accelerations(force, r, v, a)
     return a
 
 
@@ -297,7 +300,7 @@ def _turning(inverse_inertias, dimension, number, v):  # type: ignore[no-untyped
     return energy
 
 
-@answers(kinetic_energy, Grains)
+@implements(kinetic_energy, Grains)
 def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
     """With the rotation."""
     d, number = len(force.sides), len(force.radii)
@@ -307,43 +310,27 @@ def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
     return energy
 
 
-@answers(energy_and_virial, Grains)
+@implements(energy_and_virial, Grains)
 def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
     """Of gravity and of the normal springs; the virial is theirs alone, without dashpots and friction."""
-    energy, virial = elastic_energy(
-        force.sides,
-        force.radii,
-        force.law,
-        force.model,
-        force.walls,
-        force.cylinder,
-        force.skin,
-        force.built,
-        force.pairs,
-        force.reach2,
-        force.touching,
-        force.stretches,
-        force.state,
-        r[r.size - force.auxiliary],
-        r,
-    )
+    energy, virial = elastic_energy(force, r)
     d = len(force.sides)
     for k in range(d * len(force.radii)):
         energy -= force.masses[k // d] * force.gravity[k % d] * r[k]
     return energy, virial
 
 
-@answers(status, Grains)
+@implements(status, Grains)
 def _status(force: Grains) -> int:
-    return force.state[STATUS]
+    return force.bookkeeping[STATUS]
 
 
-@answers(enlarge, Grains)
+@implements(enlarge, Grains)
 def _enlarge(force: Grains) -> Grains:
-    larger = _room(int(1.25 * force.state[NEEDED]) + 8, force.inverse_inertias is not None)
+    larger = _room(int(1.25 * force.bookkeeping[NEEDED]) + 8, force.inverse_inertias is not None)
     for before, array in zip((force.pairs, force.reach2, force.touching, force.stretches), larger, strict=True):
         array[: len(before)] = before
     pairs, reach2, touching, stretches = larger
     # the smaller force may be used again: nothing that says what is in the arrays is shared with it
-    own = {name: getattr(force, name).copy() for name in ("state", "built", "clock", "wall_stretches")}
+    own = {name: getattr(force, name).copy() for name in ("bookkeeping", "built", "clock", "wall_stretches")}
     return force._replace(pairs=pairs, reach2=reach2, touching=touching, stretches=stretches, **own)

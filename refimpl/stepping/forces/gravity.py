@@ -13,8 +13,8 @@ from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
     accelerate,
-    answers,
     energy_and_virial,
+    implements,
     kinetic_energy,
     potential_energy,
     status,
@@ -150,27 +150,27 @@ def _energy_and_virial(
     return kernels.energy_and_virial(r, mass, z, G, softening)
 
 
-@answers(accelerate, Gravity)
+@implements(accelerate, Gravity)
 def _accelerate(force: Gravity, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     return _acceleration(r, force.mass, force.z, force.G, force.softening, force.outcome)
 
 
-@answers(energy_and_virial, Gravity)
+@implements(energy_and_virial, Gravity)
 def _energies(force: Gravity, r: np.ndarray) -> tuple[float, float]:
     return _energy_and_virial(r, force.mass, force.z, force.G, force.softening)
 
 
-@answers(potential_energy, Gravity)
+@implements(potential_energy, Gravity)
 def _potential_energy(force: Gravity, r: np.ndarray) -> float:
     return _energy_and_virial(r, force.mass, force.z, force.G, force.softening)[0]
 
 
-@answers(virial, Gravity)
+@implements(virial, Gravity)
 def _virial(force: Gravity, r: np.ndarray) -> float:
     return _energy_and_virial(r, force.mass, force.z, force.G, force.softening)[1]
 
 
-@answers(kinetic_energy, Gravity)
+@implements(kinetic_energy, Gravity)
 def _kinetic_energy(force: Gravity, v: np.ndarray) -> float:
     _require_coordinates(v, force.mass, force.z)
     d = v.size // force.mass.size
@@ -180,6 +180,6 @@ def _kinetic_energy(force: Gravity, v: np.ndarray) -> float:
     return total
 
 
-@answers(status, Gravity)
+@implements(status, Gravity)
 def _status(force: Gravity) -> int:
     return int(force.outcome[0])

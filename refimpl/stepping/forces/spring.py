@@ -9,8 +9,8 @@ from numba.extending import register_jitable
 
 from refimpl.stepping.forces.generic import (
     accelerate,
-    answers,
     derivatives,
+    implements,
     kinetic_energy,
     potential_energy,
     virial,
@@ -49,22 +49,22 @@ def _spring_acceleration(r: np.ndarray, v: np.ndarray, k: float, mass: float, ga
     return -(k / mass) * r - (gamma / mass) * v
 
 
-@answers(accelerate, Spring)
+@implements(accelerate, Spring)
 def _accelerate(force: Spring, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     return _spring_acceleration(r, v, force.k, force.mass, force.gamma)
 
 
-@answers(potential_energy, Spring)
+@implements(potential_energy, Spring)
 def _potential_energy(force: Spring, r: np.ndarray) -> float:
     return 0.5 * force.k * np.sum(r * r)
 
 
-@answers(virial, Spring)
+@implements(virial, Spring)
 def _virial(force: Spring, r: np.ndarray) -> float:
     return -force.k * np.sum(r * r)
 
 
-@answers(kinetic_energy, Spring)
+@implements(kinetic_energy, Spring)
 def _kinetic_energy(force: Spring, v: np.ndarray) -> float:
     return 0.5 * force.mass * np.sum(v * v)
 
@@ -82,6 +82,6 @@ def _spring_derivatives(
     return higher
 
 
-@answers(derivatives, Spring)
+@implements(derivatives, Spring)
 def _derivatives(force: Spring, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
     return _spring_derivatives(r, v, count, force.k, force.mass, force.gamma)

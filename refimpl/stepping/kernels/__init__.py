@@ -1,0 +1,11 @@
+"""What is written for the machine: compiled code for `refimpl.stepping.forces` only.
+
+The readable form stands beside this folder, in the module of the force; tests compare the two.
+
+| kernel | readable form |
+|---|---|
+| `lennard_jones`, `neighbours` | `forces.lennard_jones.plain_forces`: all pairs, minimum image |
+| `gravity` | `forces.gravity.plain_acceleration` |
+| `contacts` | the equations of `forces.grains` |
+| `simd`, `compiled` | none: vectors of eight doubles as a type; how kernels are compiled |
+"""

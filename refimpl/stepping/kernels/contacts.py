@@ -13,7 +13,8 @@ import numpy as np
 from numba import njit
 
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
-from refimpl.stepping.neighbours import FAR, SAFE, inner
+from refimpl.stepping.kernels.compiled import internal
+from refimpl.stepping.kernels.neighbours import FAR, SAFE
 
 #: Places of the numbers in the row of a law.
 STIFFNESS, DAMPING, TANGENTIAL_STIFFNESS, TANGENTIAL_DAMPING, FRICTION = range(5)
@@ -21,16 +22,16 @@ STIFFNESS, DAMPING, TANGENTIAL_STIFFNESS, TANGENTIAL_DAMPING, FRICTION = range(5
 AXIS, SIGN, PLACE, AMPLITUDE, FREQUENCY, PHASE, WALL_LAW = range(7)
 #: Places of the numbers in the row of a cylinder; its law follows.
 RADIUS, CENTRE_A, CENTRE_B, AXIS_A, AXIS_B, ANGULAR_VELOCITY, CYLINDER_LAW = range(7)
-#: Places of the numbers in the state of a list: outcome of the last evaluation; 1 when the list is good for the places
-#: `built`; pairs in it; lists made so far; pairs for which there was no room.
+#: Places of the numbers in the bookkeeping of a list: outcome of the last evaluation; 1 when the list is good for the
+#: positions `built`; pairs in it; lists made so far; pairs for which there was no room.
 STATUS, LISTED, PAIRS, BUILDS, NEEDED = range(5)
-#: Stretches along the normal below this share of Coulomb's limit are left as they are, as in LAMMPS.
+#: A stretch whose spring force along the normal is below this share of Coulomb's limit is not rotated, as in LAMMPS.
 _SLIGHT = 1e-10
-#: Coulomb coefficient that stands for none: no force of a contact reaches it.
+#: Coulomb coefficient that stands for no limit: no force of a contact reaches it.
 NO_LIMIT = 1e100
 
 
-class Model(NamedTuple):
+class ContactModel(NamedTuple):
     """Which equations: see `refimpl.stepping.forces.grains`."""
 
     hertz: bool
@@ -42,28 +43,28 @@ class Model(NamedTuple):
 # -- the law of a contact ----------------------------------------------------------------------------------------------
 
 
-@inner
-def _scale(model: Model, delta: float, radius: float) -> float:
+@internal
+def _scale(model: ContactModel, delta: float, radius: float) -> float:
     return np.sqrt(delta * radius) if model.hertz else 1.0
 
 
-@inner
-def _damping(coefficient: float, law: Any, model: Model, mass: float, scale: float) -> float:
+@internal
+def _damping(coefficient: float, law: Any, model: ContactModel, mass: float, scale: float) -> float:
     """eta, the force over the velocity."""
     if model.by_mass:
         return coefficient * mass * scale
     return coefficient * np.sqrt(mass * law[STIFFNESS] * scale)
 
 
-@inner
-def _normal_force(law: Any, model: Model, delta: float, approach: float, mass: float, scale: float) -> float:
-    """Of the overlap delta and the normal velocity `approach`, negative when the grains come nearer."""
+@internal
+def _normal_force(law: Any, model: ContactModel, delta: float, approach: float, mass: float, scale: float) -> float:
+    """For the overlap delta and the normal velocity `approach`, which is negative when the grains come nearer."""
     return law[STIFFNESS] * scale * delta - _damping(law[DAMPING], law, model, mass, scale) * approach
 
 
-@inner
+@internal
 def _tangential_force(law, model, mass, scale, normal, n, u, stretch, elapsed, f):  # type: ignore[no-untyped-def]
-    """Of the slip u, to f, all (3,); `stretch` (3,) is brought forward by the time `elapsed`."""
+    """Writes the force at the slip u to f, both (3,), after `stretch` (3,) has grown over the time `elapsed`."""
     limit = law[FRICTION] * abs(normal)
     damping = _damping(law[TANGENTIAL_DAMPING], law, model, mass, scale)
     if not model.history:
@@ -99,17 +100,17 @@ def _tangential_force(law, model, mass, scale, normal, n, u, stretch, elapsed, f
                 stretch[k] = -(f[k] + damping * u[k]) / stiffness
 
 
-@inner
+@internal
 def _product(x: Any, y: Any) -> float:
     return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
-@inner
+@internal
 def _length(x: Any) -> float:
     return np.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
 
 
-@inner
+@internal
 def _slip(n, g, approach, w, u):  # type: ignore[no-untyped-def]
     """u = g - (g.n) n - w x n, w the sum of the surfaces' R omega."""
     u[0] = g[0] - approach * n[0] - (w[1] * n[2] - w[2] * n[1])
@@ -117,7 +118,7 @@ def _slip(n, g, approach, w, u):  # type: ignore[no-untyped-def]
     u[2] = g[2] - approach * n[2] - (w[0] * n[1] - w[1] * n[0])
 
 
-@inner
+@internal
 def _add_spin(dimension, spins, v, i, radius, w):  # type: ignore[no-untyped-def]
     """Adds R omega of grain i to w (3,)."""
     if dimension == 3:
@@ -127,7 +128,7 @@ def _add_spin(dimension, spins, v, i, radius, w):  # type: ignore[no-untyped-def
         w[2] += radius * v[spins + i]
 
 
-@inner
+@internal
 def _add_torque(dimension, spins, a, i, share, n, f):  # type: ignore[no-untyped-def]
     """Adds -share n x F to the angular acceleration of grain i."""
     z = n[0] * f[1] - n[1] * f[0]
@@ -142,7 +143,7 @@ def _add_torque(dimension, spins, a, i, share, n, f):  # type: ignore[no-untyped
 # -- the pair list -----------------------------------------------------------------------------------------------------
 
 
-@inner
+@internal
 def _has_moved(r, built, dimension, skin):  # type: ignore[no-untyped-def]
     """True if a grain is further than skin/2 from where the list was made, or its place is not a number."""
     limit2 = (0.5 * SAFE * skin) ** 2
@@ -155,7 +156,7 @@ def _has_moved(r, built, dimension, skin):  # type: ignore[no-untyped-def]
     return not still
 
 
-@inner
+@internal
 def _apart2(sides, r, i, j):  # type: ignore[no-untyped-def]
     """Squared distance of the nearest images."""
     d = len(sides)
@@ -168,9 +169,10 @@ def _apart2(sides, r, i, j):  # type: ignore[no-untyped-def]
     return square
 
 
-@inner
-def _find_pairs(sides, radii, skin, r, pairs, reach2):  # type: ignore[no-untyped-def]
+@internal
+def _find_pairs(force, r):  # type: ignore[no-untyped-def]
     """Number of pairs i < j with surfaces nearer than skin, and, as far as there is room, the pairs."""
+    sides, radii, skin, pairs, reach2 = force.sides, force.radii, force.skin, force.pairs, force.reach2
     d, number = len(sides), len(radii)
     largest = 0.0
     for i in range(number):
@@ -235,29 +237,31 @@ def _find_pairs(sides, radii, skin, r, pairs, reach2):  # type: ignore[no-untype
     return found
 
 
-@inner
-def _forget(touching, stretches, pair):  # type: ignore[no-untyped-def]
-    touching[pair] = False
+@internal
+def _clear_stretch(force, pair):  # type: ignore[no-untyped-def]
+    force.touching[pair] = False
     for k in range(3):
-        stretches[pair, k] = 0.0
+        force.stretches[pair, k] = 0.0
 
 
-@inner
-def _remember(touching, stretches, pair, kept, old):  # type: ignore[no-untyped-def]
-    touching[pair] = True
+@internal
+def _restore_stretch(force, pair, kept, old):  # type: ignore[no-untyped-def]
+    force.touching[pair] = True
     for k in range(3):
-        stretches[pair, k] = kept[old, k]
+        force.stretches[pair, k] = kept[old, k]
 
 
-@inner
-def _make_list(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):  # type: ignore[no-untyped-def]
+@internal
+def _make_list(force, r):  # type: ignore[no-untyped-def]
     """A new pair list for the positions r; stretches of pairs that touch are carried over."""
+    radii, built, pairs, touching, stretches = force.radii, force.built, force.pairs, force.touching, force.stretches
+    bookkeeping = force.bookkeeping
     far = FAR * radii[0]
     for k in range(len(built)):
         if not -far <= r[k] <= far:
             return DIVERGED
     # the pairs that touch, as a chain from the first grain of each; numbers from 1, 0 ends it
-    remembered = state[PAIRS] if len(touching) > 0 else 0
+    remembered = bookkeeping[PAIRS] if len(touching) > 0 else 0
     held = 0
     for pair in range(remembered):
         held += touching[pair]
@@ -271,59 +275,59 @@ def _make_list(sides, radii, skin, built, pairs, reach2, touching, stretches, st
             for k in range(3):
                 kept[old, k] = stretches[pair, k]
             old += 1
-    found = _find_pairs(sides, radii, skin, r, pairs, reach2)
+    found = _find_pairs(force, r)
     if found > len(pairs):
-        # what touches is all that the next attempt has to know
+        # the pairs that touch, with their stretches, are kept for the next attempt with larger arrays
         for old in range(held):
             pairs[old, 0], pairs[old, 1] = ends[old, 0], ends[old, 1]
-            _remember(touching, stretches, old, kept, old)
-        state[PAIRS], state[NEEDED] = held, found
+            _restore_stretch(force, old, kept, old)
+        bookkeeping[PAIRS], bookkeeping[NEEDED] = held, found
         return NEEDS_CAPACITY
-    state[PAIRS] = found
+    bookkeeping[PAIRS] = found
     for k in range(len(built)):
         built[k] = r[k]
     for pair in range(found if len(touching) > 0 else 0):
-        _forget(touching, stretches, pair)
+        _clear_stretch(force, pair)
         old = head[pairs[pair, 0]] - 1
         while old >= 0:
             if ends[old, 1] == pairs[pair, 1]:
-                _remember(touching, stretches, pair, kept, old)
+                _restore_stretch(force, pair, kept, old)
             old = following[old] - 1
-    state[BUILDS] += 1
+    bookkeeping[BUILDS] += 1
     return GOOD
 
 
-@inner
-def _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):  # type: ignore[no-untyped-def]
-    """Sees to it that the pair list is good for r; False, with the reason in the state, if it cannot be."""
-    state[STATUS] = GOOD
-    if state[LISTED] == 0 or _has_moved(r, built, len(sides), skin):
-        state[LISTED] = 0
-        state[STATUS] = _make_list(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r)
-        if state[STATUS] == GOOD:
-            state[LISTED] = 1
-    return state[STATUS] == GOOD
+@internal
+def _list_is_valid(force, r):  # type: ignore[no-untyped-def]
+    """Makes a new pair list if this one may miss a contact at r; False, with the reason in STATUS, if it cannot."""
+    bookkeeping = force.bookkeeping
+    bookkeeping[STATUS] = GOOD
+    if bookkeeping[LISTED] == 0 or _has_moved(r, force.built, len(force.sides), force.skin):
+        bookkeeping[LISTED] = 0
+        bookkeeping[STATUS] = _make_list(force, r)
+        if bookkeeping[STATUS] == GOOD:
+            bookkeeping[LISTED] = 1
+    return bookkeeping[STATUS] == GOOD
 
 
 # -- sums over contacts ------------------------------------------------------------------------------------------------
 
 
-@inner
-def _pairs(  # type: ignore[no-untyped-def]
-    sides, radii, inverse_masses, inverse_inertias, law, model, pairs, reach2, count, touching, stretches, elapsed,
-    r, v, a,
-):  # fmt: skip
+@internal
+def _pairs(force, inverse_inertias, elapsed, r, v, a):  # type: ignore[no-untyped-def]
     """Adds the accelerations by all pairs of the list to `a`; returns the number of contacts and sum r_ij . F_ij."""
+    sides, radii, inverse_masses, law, model = force.sides, force.radii, force.inverse_masses, force.law, force.model
+    pairs, reach2, touching, stretches = force.pairs, force.reach2, force.touching, force.stretches
     d, number = len(sides), len(radii)
     n, g, u, w, f = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     contacts, virial = 0, 0.0
-    for pair in range(count):
+    for pair in range(force.bookkeeping[PAIRS]):
         i, j = pairs[pair, 0], pairs[pair, 1]
         square = _apart2(sides, r, i, j)
         if square >= reach2[pair]:
             if inverse_inertias is not None:  # noqa: SIM102  numba prunes a test for None only if it stands alone
                 if touching[pair]:
-                    _forget(touching, stretches, pair)
+                    _clear_stretch(force, pair)
             continue
         distance = np.sqrt(square)
         approach = 0.0
@@ -351,17 +355,24 @@ def _pairs(  # type: ignore[no-untyped-def]
             _add_torque(d, d * number, a, i, inverse_inertias[i] * (radii[i] - shorter), n, f)
             _add_torque(d, d * number, a, j, inverse_inertias[j] * (radii[j] - shorter), n, f)
         for k in range(d):
-            force = normal * n[k] + f[k]
-            a[d * i + k] += inverse_masses[i] * force
-            a[d * j + k] -= inverse_masses[j] * force
+            total = normal * n[k] + f[k]
+            a[d * i + k] += inverse_masses[i] * total
+            a[d * j + k] -= inverse_masses[j] * total
     return contacts, virial
 
 
-@inner
+@internal
 def _on_wall(  # type: ignore[no-untyped-def]
-    d, radii, inverse_masses, inverse_inertias, law, model, stretches, elapsed, i, delta, n, g, u, w, f, v, a, on_wall
-):  # fmt: skip
-    """Adds the acceleration of grain i by a wall to `a` and the force on the wall to `on_wall`; n: to the grain."""
+    force, inverse_inertias, law, stretches, elapsed, i, delta, vectors, v, a, on_wall
+):
+    """Adds the acceleration of grain i by a wall to `a` and the force on the wall to `on_wall`.
+
+    law: the wall's row of numbers. stretches: (N, 3) of this wall. vectors: n towards the grain and g set, u, w, f for
+    results.
+    """
+    radii, inverse_masses, model = force.radii, force.inverse_masses, force.model
+    n, g, u, w, f = vectors
+    d = len(force.sides)
     spins = d * len(radii)
     mass, approach = 1.0 / inverse_masses[i], _product(g, n)
     scale = _scale(model, delta, radii[i])
@@ -373,23 +384,25 @@ def _on_wall(  # type: ignore[no-untyped-def]
         _tangential_force(law, model, mass, scale, normal, n, u, stretches[i], elapsed, f)
         _add_torque(d, spins, a, i, inverse_inertias[i] * radii[i], n, f)
     for k in range(d):
-        force = normal * n[k] + f[k]
-        a[d * i + k] += inverse_masses[i] * force
-        on_wall[k] -= force
+        total = normal * n[k] + f[k]
+        a[d * i + k] += inverse_masses[i] * total
+        on_wall[k] -= total
 
 
-@inner
+@internal
 def _motion(wall: Any, time: float) -> tuple[float, float]:
     """Place and velocity of a plane wall."""
     swing, angle = wall[SIGN] * wall[AMPLITUDE], wall[FREQUENCY] * time + wall[PHASE]
     return wall[PLACE] + swing * np.cos(angle), -swing * wall[FREQUENCY] * np.sin(angle)
 
 
-@inner
-def _planes(  # type: ignore[no-untyped-def]
-    d, radii, inverse_masses, inverse_inertias, walls, model, stretches, elapsed, time, r, v, a, on_walls
-):
-    n, g, u, w, f = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+@internal
+def _planes(force, inverse_inertias, elapsed, time, r, v, a, on_walls):  # type: ignore[no-untyped-def]
+    """Adds the accelerations by all plane walls to `a`, and the forces on the walls to `on_walls`, (walls + 1, d)."""
+    radii, walls, stretches = force.radii, force.walls, force.wall_stretches
+    d = len(force.sides)
+    vectors = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    n, g, _, _, _ = vectors
     for wall in range(len(walls)):
         axis, sign = int(walls[wall, AXIS]), walls[wall, SIGN]
         place, speed = _motion(walls[wall], time)
@@ -406,18 +419,16 @@ def _planes(  # type: ignore[no-untyped-def]
                 g[k] = v[d * i + k]
             g[axis] -= speed
             law = walls[wall, WALL_LAW:]
-            _on_wall(
-                d, radii, inverse_masses, inverse_inertias, law, model, stretches[wall], elapsed, i, delta, n, g, u, w,
-                f, v, a, on_walls[wall],
-            )  # fmt: skip
+            _on_wall(force, inverse_inertias, law, stretches[wall], elapsed, i, delta, vectors, v, a, on_walls[wall])
 
 
-@inner
-def _cylinder(  # type: ignore[no-untyped-def]
-    d, radii, inverse_masses, inverse_inertias, cylinder, model, stretches, elapsed, r, v, a, on_wall
-):
+@internal
+def _cylinder(force, inverse_inertias, elapsed, r, v, a, on_wall):  # type: ignore[no-untyped-def]
     """Adds the accelerations by the inside of a turning cylinder; returns its torque on the grains about its axis."""
-    n, g, u, w, f = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    radii, cylinder, stretches = force.radii, force.cylinder, force.wall_stretches[len(force.walls)]
+    d = len(force.sides)
+    vectors = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    n, g, _, _, f = vectors
     torque = 0.0
     first, second, inside = int(cylinder[AXIS_A]), int(cylinder[AXIS_B]), cylinder[RADIUS]
     surface = cylinder[ANGULAR_VELOCITY] * inside
@@ -437,23 +448,21 @@ def _cylinder(  # type: ignore[no-untyped-def]
         g[first] -= surface * n[second]
         g[second] += surface * n[first]
         law = cylinder[CYLINDER_LAW:]
-        _on_wall(
-            d, radii, inverse_masses, inverse_inertias, law, model, stretches, elapsed, i, delta, n, g, u, w, f, v, a,
-            on_wall,
-        )  # fmt: skip
+        _on_wall(force, inverse_inertias, law, stretches, elapsed, i, delta, vectors, v, a, on_wall)
         # the arm of a grain ends delta beyond the wall
         torque += (distance + radii[i]) * (f[first] * n[second] - f[second] * n[first])
     return torque
 
 
 @njit(cache=True, error_model="numpy")
-def grain_accelerations(  # type: ignore[no-untyped-def]
-    sides, radii, inverse_masses, inverse_inertias, gravity, law, model, walls, cylinder, auxiliary, skin, built, pairs,
-    reach2, touching, stretches, wall_stretches, clock, state, r, v, a,
-):  # fmt: skip
-    """Accelerations, angular accelerations, and rates of the tallies, to `a`; NaN where the list cannot be made."""
-    d, number = len(sides), len(radii)
-    if not _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):
+def grain_accelerations(force, r, v, a):  # type: ignore[no-untyped-def]
+    """Accelerations, angular accelerations, and rates of the tallies, to `a`; NaN where the list cannot be made.
+
+    force: `Grains`. r, v, a: coordinates, velocities and accelerations of the same shape, see `forces.grains`.
+    """
+    gravity, walls, clock, auxiliary = force.gravity, force.walls, force.clock, force.auxiliary
+    d, number = len(force.sides), len(force.radii)
+    if not _list_is_valid(force, r):
         for k in range(len(a)):
             a[k] = np.nan
         return
@@ -467,21 +476,15 @@ def grain_accelerations(  # type: ignore[no-untyped-def]
             a[d * i + k] = gravity[k]
     for k in range(d * number, len(a)):
         a[k] = 0.0
-    contacts, virial = _pairs(
-        sides, radii, inverse_masses, inverse_inertias, law, model, pairs, reach2, state[PAIRS], touching, stretches,
-        elapsed, r, v, a,
-    )  # fmt: skip
+    # handed on as an argument: numba leaves the branches for rough grains out where it is None
+    inverse_inertias = force.inverse_inertias
+    contacts, virial = _pairs(force, inverse_inertias, elapsed, r, v, a)
     on_walls = np.zeros((len(walls) + 1, d))
     torque = 0.0
     if len(walls) > 0:
-        _planes(
-            d, radii, inverse_masses, inverse_inertias, walls, model, wall_stretches, elapsed, time, r, v, a, on_walls
-        )  # fmt: skip
-    if len(cylinder) > 0:
-        torque = _cylinder(
-            d, radii, inverse_masses, inverse_inertias, cylinder, model, wall_stretches[len(walls)], elapsed, r, v, a,
-            on_walls[len(walls)],
-        )  # fmt: skip
+        _planes(force, inverse_inertias, elapsed, time, r, v, a, on_walls)
+    if len(force.cylinder) > 0:
+        torque = _cylinder(force, inverse_inertias, elapsed, r, v, a, on_walls[len(walls)])
     if auxiliary > 1:
         a[ends + 1], a[ends + 2] = contacts, virial
         for wall in range(len(walls) + 1):
@@ -490,22 +493,25 @@ def grain_accelerations(  # type: ignore[no-untyped-def]
         a[len(a) - 1] = torque
 
 
-@inner
-def _spring_energy(law: Any, model: Model, delta: float, radius: float) -> float:
+@internal
+def _spring_energy(law: Any, model: ContactModel, delta: float, radius: float) -> float:
     """k delta^2/2, or 2 k sqrt(R_eff) delta^(5/2)/5."""
     return law[STIFFNESS] * delta * delta * (0.4 * np.sqrt(delta * radius) if model.hertz else 0.5)
 
 
 @njit(cache=True, error_model="numpy")
-def elastic_energy(  # type: ignore[no-untyped-def]
-    sides, radii, law, model, walls, cylinder, skin, built, pairs, reach2, touching, stretches, state, time, r
-):
-    """Energy of the normal springs of all contacts, and the pairs' sum of r_ij . F_ij by them; NaN without a list."""
-    d = len(sides)
+def elastic_energy(force, r):  # type: ignore[no-untyped-def]
+    """Energy of the normal springs of all contacts, and the pairs' sum of r_ij . F_ij by them; NaN without a list.
+
+    force: `Grains`. r: coordinates, see `forces.grains`.
+    """
+    sides, radii, law, model = force.sides, force.radii, force.law, force.model
+    walls, cylinder, pairs, reach2 = force.walls, force.cylinder, force.pairs, force.reach2
+    d, time = len(sides), r[r.size - force.auxiliary]
     energy, virial = 0.0, 0.0
-    if not _listed(sides, radii, skin, built, pairs, reach2, touching, stretches, state, r):
+    if not _list_is_valid(force, r):
         return np.nan, np.nan
-    for pair in range(state[PAIRS]):
+    for pair in range(force.bookkeeping[PAIRS]):
         i, j = pairs[pair, 0], pairs[pair, 1]
         square = _apart2(sides, r, i, j)
         if square < reach2[pair]:

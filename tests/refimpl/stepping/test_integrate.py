@@ -18,8 +18,8 @@ from refimpl.stepping.forces.generic import (
     GOOD,
     NEEDS_CAPACITY,
     accelerate,
-    answers,
     enlarge,
+    implements,
     kinetic_energy,
     potential_energy,
     status,
@@ -61,33 +61,33 @@ def _answer(force: Fussy, r: np.ndarray) -> Any:
     return force.state[STATUS] == GOOD
 
 
-@answers(accelerate, Fussy)
+@implements(accelerate, Fussy)
 def _accelerate(force: Fussy, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     force.state[SEEN] += 1
     return -r if _answer(force, r) else np.full(r.size, np.nan)
 
 
-@answers(potential_energy, Fussy)
+@implements(potential_energy, Fussy)
 def _potential_energy(force: Fussy, r: np.ndarray) -> float:
     return 0.5 * np.sum(r * r) if _answer(force, r) else np.nan
 
 
-@answers(virial, Fussy)
+@implements(virial, Fussy)
 def _virial(force: Fussy, r: np.ndarray) -> float:
     return -np.sum(r * r) if _answer(force, r) else np.nan
 
 
-@answers(kinetic_energy, Fussy)
+@implements(kinetic_energy, Fussy)
 def _kinetic_energy(force: Fussy, v: np.ndarray) -> float:
     return 0.5 * np.sum(v * v)
 
 
-@answers(status, Fussy)
+@implements(status, Fussy)
 def _status(force: Fussy) -> int:
     return force.state[STATUS]
 
 
-@answers(enlarge, Fussy)
+@implements(enlarge, Fussy)
 def _enlarge(force: Fussy) -> Fussy:
     force.state[ENLARGED] += 1
     return force._replace(room=1.5 * force.room)
@@ -124,7 +124,7 @@ def test_samples_are_those_of_a_run_sampled_at_every_step(steps: int, every: int
 
 def test_the_default_is_one_sample_at_the_end() -> None:
     run = integrate("velocity_verlet", FORCE, R, V, 0.1, 7, trajectory=True, thermo=True)
-    np.testing.assert_array_equal(run["positions"], [R, run.r])
+    np.testing.assert_array_equal(run.positions, [R, run.r])
     assert run.thermo.shape == (2, 3)
 
 
@@ -132,7 +132,7 @@ def test_thermo_is_what_the_force_answers() -> None:
     run = integrate("velocity_verlet", FORCE, R, V, 0.1, 9, every=3, trajectory=True, thermo=True)
     expected = [
         (kinetic_energy(FORCE, v), potential_energy(FORCE, r), virial(FORCE, r))
-        for r, v in zip(run["positions"], run["velocities"], strict=True)
+        for r, v in zip(run.positions, run.velocities, strict=True)
     ]
     np.testing.assert_allclose(run.thermo, expected, rtol=1e-15)
 
@@ -148,13 +148,13 @@ def test_nothing_is_recorded_that_is_not_asked_for(trajectory: bool, thermo: boo
 def test_no_steps_leave_the_state() -> None:
     run = integrate("velocity_verlet", FORCE, R, V, 0.1, 0, trajectory=True, thermo=True)
     np.testing.assert_array_equal([run.r, run.v], [R, V])
-    assert (run.steps, run.diverged, len(run["positions"])) == (0, False, 1)
+    assert (run.steps, run.diverged, len(run.positions)) == (0, False, 1)
 
 
 def test_initial_state_is_left_untouched() -> None:
     r, v = R.copy(), V.copy()
     run = integrate("velocity_verlet", FORCE, r, v, 0.1, 3, every=1, trajectory=True, thermo=True)
-    run.r[:], run.v[:], run["positions"][:] = 0, 0, 0
+    run.r[:], run.v[:], run.positions[:] = 0, 0, 0
     np.testing.assert_array_equal([r, v], [R, V])
 
 
@@ -209,8 +209,8 @@ def test_a_failed_step_changes_nothing(scheme: str) -> None:
     assert 0 < run.steps < 20
     np.testing.assert_array_equal(run.r, free.positions[run.steps])
     np.testing.assert_array_equal(run.v, free.velocities[run.steps])
-    np.testing.assert_array_equal(run["positions"][: run.steps + 1], free.positions[: run.steps + 1])
-    assert np.isnan(run["positions"][run.steps + 1 :]).all()
+    np.testing.assert_array_equal(run.positions[: run.steps + 1], free.positions[: run.steps + 1])
+    assert np.isnan(run.positions[run.steps + 1 :]).all()
     assert np.isnan(run.thermo[run.steps + 1 :]).all()
     assert run.evaluations == SCHEMES[scheme].start_evaluations + run.steps * SCHEMES[scheme].evaluations
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crosscheck.references import oscillator
-from refimpl.stepping.forces.generic import accelerate, answers, derivatives
+from refimpl.stepping.forces.generic import accelerate, derivatives, implements
 from refimpl.stepping.forces.spring import Spring, spring
 from refimpl.stepping.integrate import integrate
 from refimpl.stepping.schemes import SCHEMES, Scheme
@@ -29,13 +29,13 @@ class Counted(NamedTuple):
     count: np.ndarray
 
 
-@answers(accelerate, Counted)
+@implements(accelerate, Counted)
 def _accelerate(force: Counted, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     force.count[0] += 1
     return accelerate(force.spring, r, v)
 
 
-@answers(derivatives, Counted)
+@implements(derivatives, Counted)
 def _derivatives(force: Counted, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
     return derivatives(force.spring, r, v, count)
 
@@ -44,7 +44,7 @@ class Cubic(NamedTuple):
     """a = -r^3, beyond any linear problem; plain Python only."""
 
 
-@answers(accelerate, Cubic)
+@implements(accelerate, Cubic)
 def _accelerate_cubic(force: Cubic, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     return -(r**3)
 
@@ -86,8 +86,8 @@ def test_plain_python_equals_the_compiled_loop(name: str) -> None:
     steps = 60
     run = integrate(name, FORCE, R, V, DT, steps, every=1, trajectory=True)
     expected = plain(name, FORCE, R, V, DT, steps)
-    np.testing.assert_allclose(run["positions"], expected[:, 0], rtol=0, atol=4e-16 * steps * 4)
-    np.testing.assert_allclose(run["velocities"], expected[:, 1], rtol=0, atol=4e-16 * steps * 4)
+    np.testing.assert_allclose(run.positions, expected[:, 0], rtol=0, atol=4e-16 * steps * 4)
+    np.testing.assert_allclose(run.velocities, expected[:, 1], rtol=0, atol=4e-16 * steps * 4)
 
 
 @each_scheme

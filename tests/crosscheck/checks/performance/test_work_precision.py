@@ -9,7 +9,7 @@ import pytest
 
 from crosscheck.checks.performance.work_precision import PROBLEMS, expected_evaluations
 from crosscheck.engines.protocol import Claims
-from refimpl.stepping.forces.generic import accelerate, answers
+from refimpl.stepping.forces.generic import accelerate, implements
 from refimpl.stepping.schemes import SCHEMES
 
 
@@ -19,7 +19,7 @@ class Counting(NamedTuple):
     calls: np.ndarray
 
 
-@answers(accelerate, Counting)
+@implements(accelerate, Counting)
 def _accelerate(force: Counting, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     force.calls[0] += 1
     return -r

@@ -30,7 +30,7 @@ from crosscheck.scene import (
     Well,
     explicit,
 )
-from refimpl.stepping.forces.grains import Law, coordinates, grains
+from refimpl.stepping.forces.grains import ContactLaw, coordinates, grains
 from refimpl.stepping.integrate import acceleration
 from refimpl.stepping.schemes import SCHEMES
 
@@ -403,7 +403,7 @@ K, K_T, MU, ALPHA = 1e3, 400.0, 0.1, 0.6
 GAMMA, GAMMA_T, SHARE = 15.0, 6.0, 0.4
 _C = dashpot(ALPHA)
 _HERTZ = _C * math.sqrt(5) / 2
-_CLASSIC = {"damping": "mass", "granular": False, "law": Law(K, GAMMA, K_T, GAMMA_T, MU)}
+_CLASSIC = {"damping": "mass", "granular": False, "law": ContactLaw(K, GAMMA, K_T, GAMMA_T, MU)}
 _GRANULAR = {"damping": "restitution", "granular": True}
 
 
@@ -425,25 +425,25 @@ STYLES = {
         3,
         "granular",
         _granular("hooke", "linear_nohistory"),
-        _GRANULAR | {"law": Law(K, _C, 0.0, SHARE * _C, MU), "history": False},
+        _GRANULAR | {"law": ContactLaw(K, _C, 0.0, SHARE * _C, MU), "history": False},
     ),
     "granular hooke, history": (
         2,
         "granular",
         _granular("hooke", f"linear_history {K_T!r}"),
-        _GRANULAR | {"law": Law(K, _C, K_T, SHARE * _C, MU)},
+        _GRANULAR | {"law": ContactLaw(K, _C, K_T, SHARE * _C, MU)},
     ),
     "granular hertz, no history": (
         2,
         "granular",
         _granular("hertz", "linear_nohistory"),
-        _GRANULAR | {"law": Law(K, _HERTZ, 0.0, SHARE * _HERTZ, MU), "history": False, "hertz": True},
+        _GRANULAR | {"law": ContactLaw(K, _HERTZ, 0.0, SHARE * _HERTZ, MU), "history": False, "hertz": True},
     ),
     "granular hertz, mindlin": (
         3,
         "granular",
         _granular("hertz", f"mindlin {K_T!r}"),
-        _GRANULAR | {"law": Law(K, _HERTZ, K_T, SHARE * _HERTZ, MU), "hertz": True},
+        _GRANULAR | {"law": ContactLaw(K, _HERTZ, K_T, SHARE * _HERTZ, MU), "hertz": True},
     ),
 }
 

@@ -20,7 +20,7 @@ from refimpl.stepping.forces.generic import (
     kinetic_energy,
     status,
 )
-from refimpl.stepping.forces.grains import Cylinder, Grains, Law, Plane, coordinates, grains
+from refimpl.stepping.forces.grains import ContactLaw, Grains, SoftCylinder, SoftPlane, coordinates, grains
 from refimpl.stepping.integrate import integrate
 from refimpl.stepping.kernels.contacts import BUILDS
 from refimpl.stepping.schemes import SCHEMES
@@ -268,9 +268,9 @@ def jittered(rng: np.random.Generator, number: int, dimension: int, spacing: flo
     return (rng.permutation(sites)[:number] + 0.5 + rng.uniform(-0.12, 0.12, (number, dimension))) * spacing
 
 
-def random_law(rng: np.random.Generator) -> Law:
+def random_law(rng: np.random.Generator) -> ContactLaw:
     mu = rng.choice([0.0, 0.2, 0.7, np.inf])
-    return Law(*rng.uniform([50.0, 0.0, 10.0, 0.0], [200.0, 0.5, 100.0, 0.5]), mu)
+    return ContactLaw(*rng.uniform([50.0, 0.0, 10.0, 0.0], [200.0, 0.5, 100.0, 0.5]), mu)
 
 
 def random_arguments(rng: np.random.Generator, dimension: int, rough: bool, number: int) -> dict[str, Any]:
@@ -278,7 +278,7 @@ def random_arguments(rng: np.random.Generator, dimension: int, rough: bool, numb
     lengths = np.full(dimension, 0.85 * max(3, int(np.ceil(number ** (1 / dimension)))))
     periodic = rng.integers(0, 2, dimension).astype(bool)
     walls = [
-        Plane(axis, sign, 0.0 if sign > 0 else lengths[axis], random_law(rng), *motion)
+        SoftPlane(axis, sign, 0.0 if sign > 0 else lengths[axis], random_law(rng), *motion)
         for axis in range(dimension)
         for sign in (1, -1)
         for motion in ((), (0.1, 7.0, rng.uniform(0, 6)))
@@ -289,7 +289,7 @@ def random_arguments(rng: np.random.Generator, dimension: int, rough: bool, numb
     across = [k for k in range(dimension) if k != axis]
     if not periodic[across].any() and rng.random() < 0.7:
         middle = tuple(lengths[across] / 2 + rng.uniform(-0.1, 0.1, 2))
-        cylinder = Cylinder(0.5 * lengths[0], middle, random_law(rng), axis, rng.uniform(-2, 2))
+        cylinder = SoftCylinder(0.5 * lengths[0], middle, random_law(rng), axis, rng.uniform(-2, 2))
     return {
         "radii": rng.uniform(0.35, 0.55, number),
         "masses": rng.uniform(0.5, 2.0, number),
@@ -359,7 +359,12 @@ def test_no_pair_is_missed(dimension, seed, number, skin, shape):
     periodic = rng.integers(0, 2, dimension).astype(bool)
     radii, masses = rng.uniform(0.3, 1.0, number), rng.uniform(0.5, 2.0, number)
     force = grains(
-        radii=radii, masses=masses, lengths=lengths.tolist(), periodic=periodic.tolist(), law=Law(10.0), skin=skin
+        radii=radii,
+        masses=masses,
+        lengths=lengths.tolist(),
+        periodic=periodic.tolist(),
+        law=ContactLaw(10.0),
+        skin=skin,
     )
     x = rng.uniform(-1, 2, (number, dimension)) * lengths
     if shape == "flat":
@@ -383,7 +388,7 @@ def test_a_pair_in_numbers(hertz):
         masses=np.array([1.0, 3.0]),
         lengths=[9.0, 9.0],
         periodic=[False, False],
-        law=Law(100.0, 0.2, 0.0, 3.0, 0.5),
+        law=ContactLaw(100.0, 0.2, 0.0, 3.0, 0.5),
         inertia=0.5,
         hertz=hertz,
         history=False,
@@ -480,7 +485,7 @@ def test_angular_momentum_is_kept_with_granular_arms(dimension, history):
     """The arms of a granular pair add up to r_ij; velocity Verlet is the trapezoidal rule, exact for r x v too."""
     rng = np.random.default_rng(dimension)
     arguments = inner_arguments(
-        rng, dimension, True, 10, history=history, granular=True, law=Law(1e3, 0.2, 3e2, 0.1, 0.5)
+        rng, dimension, True, 10, history=history, granular=True, law=ContactLaw(1e3, 0.2, 3e2, 0.1, 0.5)
     )
     plain = Plain(**arguments)
     _, states = moved(*started(rng, arguments), 1e-3, 200)
@@ -502,7 +507,7 @@ def started(
 def test_classic_arms_lose_angular_momentum_at_the_rate_of_the_overlap(dimension):
     """Arms R_i + R_j = r_ij + delta: dL/dt = - sum of delta n x F."""
     rng = np.random.default_rng(dimension)
-    arguments = inner_arguments(rng, dimension, True, 10, granular=False, law=Law(1e3, 0.2, 3e2, 0.1, 0.5))
+    arguments = inner_arguments(rng, dimension, True, 10, granular=False, law=ContactLaw(1e3, 0.2, 3e2, 0.1, 0.5))
     force, r, v = started(rng, arguments)
     plain = Plain(**arguments)
     for _ in range(2):
@@ -529,7 +534,7 @@ def packing(hertz: bool) -> tuple[Grains, np.ndarray, np.ndarray]:
         masses=np.ones(len(x)),
         lengths=[edge * spacing, edge * spacing * np.sqrt(0.75)],
         periodic=[True, True],
-        law=Law(1e3),
+        law=ContactLaw(1e3),
         hertz=hertz,
     )
     return force, *coordinates(force, x, 0.2 * np.random.default_rng(3).normal(size=x.shape))
@@ -567,7 +572,7 @@ def test_energy_of_elastic_impacts_by_order(hertz, order):
             masses=np.repeat(np.linspace(0.5, 1.5, number), 2),
             lengths=[9.0, 9.0],
             periodic=[False, False],
-            law=Law(1e3),
+            law=ContactLaw(1e3),
             hertz=hertz,
         )
         _, states = moved(force, *coordinates(force, x, v), dt, round((0.35 if hertz else 0.12) / dt))
@@ -590,10 +595,10 @@ def test_elastic_force_is_minus_the_gradient_of_the_energy(dimension, hertz):
         masses=rng.uniform(0.5, 2.0, 8),
         lengths=lengths,
         periodic=[False] * dimension,
-        law=Law(100.0),
+        law=ContactLaw(100.0),
         gravity=rng.normal(size=dimension),
-        walls=[Plane(axis, 1, 0.3, Law(150.0), 0.2, 3.0, 1.0) for axis in range(dimension)],
-        cylinder=Cylinder(1.2, middle, Law(70.0)),
+        walls=[SoftPlane(axis, 1, 0.3, ContactLaw(150.0), 0.2, 3.0, 1.0) for axis in range(dimension)],
+        cylinder=SoftCylinder(1.2, middle, ContactLaw(70.0)),
         hertz=hertz,
         tallies=True,
     )
@@ -638,7 +643,7 @@ def test_a_stretch_turns_with_its_contact(granular, friction):
         masses=np.ones(2),
         lengths=[9.0, 9.0],
         periodic=[False, False],
-        law=Law(100.0, 0.0, 50.0, 0.0, friction),
+        law=ContactLaw(100.0, 0.0, 50.0, 0.0, friction),
         inertia=0.5,
         granular=granular,
     )
@@ -666,7 +671,7 @@ def test_a_dashpot_beside_springs_of_no_stiffness():
             masses=np.ones(2),
             lengths=[9.0, 9.0],
             periodic=[False, False],
-            law=Law(100.0, 0.0, 0.0, 0.5, 0.1),
+            law=ContactLaw(100.0, 0.0, 0.0, 0.5, 0.1),
             inertia=0.5,
             history=history,
         )
@@ -701,7 +706,7 @@ def gathering(dimension: int, **changes: Any) -> tuple[dict[str, Any], np.ndarra
     """Rough grains that fly towards each other and stay together: keyword arguments, places, velocities and spins."""
     rng = np.random.default_rng(20 + dimension)
     number = 12
-    arguments = inner_arguments(rng, dimension, True, number, history=True, law=Law(400.0, 1.2, 200.0, 0.1, 0.4))
+    arguments = inner_arguments(rng, dimension, True, number, history=True, law=ContactLaw(400.0, 1.2, 200.0, 0.1, 0.4))
     x = jittered(rng, number, dimension, 1.3)
     return arguments | changes, x, -2.0 * (x - x.mean(axis=0)), rng.normal(size=(number, 3 if dimension == 3 else 1))
 
@@ -738,7 +743,7 @@ def test_stretches_survive_new_lists_and_larger_ones(dimension, granular):
     bound = ROUNDINGS * EPSILON * steps * growth * np.abs(np.concatenate(expected)).max()
     later, states = moved(force, r, v, dt, steps)
     assert len(later.pairs) > len(force.pairs)
-    assert later.state[BUILDS] >= 2
+    assert later.bookkeeping[BUILDS] >= 2
     assert np.abs(later.stretches).max() > 1e-3
     assert later.touching.sum() > 8
     for skin in (wide, 0.0, 0.05, None):
@@ -763,7 +768,7 @@ def test_the_compiled_loop_takes_the_same_path():
 
 def test_a_list_without_room_says_so_and_keeps_what_touches():
     rng = np.random.default_rng(2)
-    arguments = inner_arguments(rng, 2, True, 12, law=Law(400.0, 0.6, 200.0, 0.1, 0.4), history=True)
+    arguments = inner_arguments(rng, 2, True, 12, law=ContactLaw(400.0, 0.6, 200.0, 0.1, 0.4), history=True)
     force = grains(**arguments, skin=0.05)
     r, v = random_state(rng, force, jittered(rng, 12, 2, 0.95))
     for time in (0.0, 0.01):
@@ -816,7 +821,7 @@ def test_every_scheme_moves_clock_spins_and_tallies(scheme):
     alpha, alpha_t, k, dt, steps = 0.8, -0.3, 1e4, 1e-4, 600
     decay = np.pi**2 + np.log(alpha) ** 2
     c = -2 * np.log(alpha) / np.sqrt(decay)
-    law = Law(k, c, k * (0.5 / 1.5) * np.arccos(alpha_t) ** 2 / decay, 0.0, np.inf)
+    law = ContactLaw(k, c, k * (0.5 / 1.5) * np.arccos(alpha_t) ** 2 / decay, 0.0, np.inf)
     force = grains(
         radii=np.full(1, 0.5),
         masses=np.ones(1),
@@ -824,7 +829,7 @@ def test_every_scheme_moves_clock_spins_and_tallies(scheme):
         periodic=[True, False],
         law=law,
         inertia=0.5,
-        walls=[Plane(1, 1, 0.0, law)],
+        walls=[SoftPlane(1, 1, 0.0, law)],
         tallies=True,
     )
     r, v = coordinates(force, np.array([[0.0, 0.5093]]), np.array([[2.0, -1.0]]), np.array([[3.0]]))
@@ -847,12 +852,12 @@ def test_every_scheme_moves_clock_spins_and_tallies(scheme):
 def test_tallies_are_the_trapezoids_of_their_rates():
     """Velocity Verlet changes velocities and integrals by the same trapezoids; contacts and virial are of pairs."""
     rng = np.random.default_rng(6)
-    law = Law(1e3, 0.2, 3e2, 0.1, 0.5)
+    law = ContactLaw(1e3, 0.2, 3e2, 0.1, 0.5)
     arguments = random_arguments(rng, 2, True, 12) | {
         "periodic": [False, False],
         "law": law,
         "gravity": None,
-        "walls": [Plane(0, 1, 0.3, law), Plane(1, -1, 3.1, law, 0.2, 20.0, 0.3)],
+        "walls": [SoftPlane(0, 1, 0.3, law), SoftPlane(1, -1, 3.1, law, 0.2, 20.0, 0.3)],
         "cylinder": None,
         "tallies": True,
         "granular": True,
@@ -885,8 +890,8 @@ def plain_rates(arguments: dict[str, Any], states: list[tuple[np.ndarray, np.nda
 def test_the_torque_of_a_cylinder_is_what_turns_the_grains(dimension, axis):
     """Angular momentum about the axis, of a bed whose pairs keep it: exact with velocity Verlet."""
     rng = np.random.default_rng(7)
-    law = Law(1e3, 0.2, 3e2, 0.1, 0.5)
-    cylinder = Cylinder(1.3, (1.2, 1.35), law, axis, 2.0)
+    law = ContactLaw(1e3, 0.2, 3e2, 0.1, 0.5)
+    cylinder = SoftCylinder(1.3, (1.2, 1.35), law, axis, 2.0)
     arguments = inner_arguments(rng, dimension, True, 8, law=law, cylinder=cylinder, tallies=True, granular=True)
     force, r, v = started(rng, arguments)
     plain = Plain(**arguments)
@@ -917,7 +922,7 @@ def test_the_contact_time_of_an_impact():
         masses=np.array([1.0, 3.0]),
         lengths=[9.0, 9.0],
         periodic=[False, False],
-        law=Law(k, -2 * np.log(alpha) / np.sqrt(decay)),
+        law=ContactLaw(k, -2 * np.log(alpha) / np.sqrt(decay)),
         tallies=True,
     )
     r, v = coordinates(force, np.array([[0.0, 0.0], [1.001, 0.0]]), np.array([[1.0, 0.0], [0.0, 0.0]]))
@@ -932,7 +937,7 @@ GOOD_ARGUMENTS: dict[str, Any] = {
     "masses": np.ones(3),
     "lengths": [9.0, 9.0],
     "periodic": [True, False],
-    "law": Law(1.0),
+    "law": ContactLaw(1.0),
 }
 
 
@@ -951,13 +956,13 @@ GOOD_ARGUMENTS: dict[str, Any] = {
         ({"inertia": 1.5}, "inertia is q"),
         ({"damping": "viscous"}, "damping must be"),
         ({"lengths": [2.0, 9.0]}, "must exceed two diameters"),
-        ({"law": Law(0.0)}, "a contact law needs"),
-        ({"law": Law(1.0, -0.1)}, "a contact law needs"),
-        ({"law": Law(1.0, np.nan)}, "a contact law needs"),
-        ({"law": Law(np.inf)}, "a contact law needs"),
-        ({"law": Law(1.0, friction=-0.1)}, "a contact law needs"),
-        ({"walls": [Plane(0, 1, 0.0, Law(-1.0))]}, "a contact law needs"),
-        ({"cylinder": Cylinder(2.0, (0.0, 0.0), Law(1.0, friction=np.nan))}, "a contact law needs"),
+        ({"law": ContactLaw(0.0)}, "a contact law needs"),
+        ({"law": ContactLaw(1.0, -0.1)}, "a contact law needs"),
+        ({"law": ContactLaw(1.0, np.nan)}, "a contact law needs"),
+        ({"law": ContactLaw(np.inf)}, "a contact law needs"),
+        ({"law": ContactLaw(1.0, friction=-0.1)}, "a contact law needs"),
+        ({"walls": [SoftPlane(0, 1, 0.0, ContactLaw(-1.0))]}, "a contact law needs"),
+        ({"cylinder": SoftCylinder(2.0, (0.0, 0.0), ContactLaw(1.0, friction=np.nan))}, "a contact law needs"),
     ],
 )
 def test_bad_arguments_are_named(change, message):
@@ -974,11 +979,11 @@ def test_bad_arguments_are_named(change, message):
         {"lengths": [-9.0, 9.0]},
         {"lengths": [0.0, 9.0]},
         {"gravity": (np.nan, 0.0)},
-        {"walls": [Plane(2, 1, 0.0, Law(1.0))]},
-        {"walls": [Plane(0, 3, 0.0, Law(1.0))]},
-        {"walls": [Plane(0, 1, np.nan, Law(1.0))]},
-        {"cylinder": Cylinder(-1.0, (0.0, 0.0), Law(1.0))},
-        {"cylinder": Cylinder(1.0, (0.0, 0.0), Law(1.0), axis=1)},
+        {"walls": [SoftPlane(2, 1, 0.0, ContactLaw(1.0))]},
+        {"walls": [SoftPlane(0, 3, 0.0, ContactLaw(1.0))]},
+        {"walls": [SoftPlane(0, 1, np.nan, ContactLaw(1.0))]},
+        {"cylinder": SoftCylinder(-1.0, (0.0, 0.0), ContactLaw(1.0))},
+        {"cylinder": SoftCylinder(1.0, (0.0, 0.0), ContactLaw(1.0), axis=1)},
     ],
 )
 def test_numbers_out_of_range_are_refused(change):

@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
-from refimpl.stepping.kernels.simd import WIDTH
-from refimpl.stepping.neighbours import (
+from refimpl.stepping.kernels.neighbours import (
     BUILDS,
     CLOSE,
     FAR,
@@ -17,18 +16,19 @@ from refimpl.stepping.neighbours import (
     SLOTS,
     STATUS,
     Neighbours,
+    copy_to_slots,
     enlarge_neighbours,
     neighbours,
-    spread,
     update,
 )
+from refimpl.stepping.kernels.simd import WIDTH
 
 
 def updated(lists: Neighbours, r: np.ndarray) -> Neighbours:
     """Lists for r, enlarged as often as they ask for it."""
     while update(lists, r) == NEEDS_CAPACITY:
         lists = enlarge_neighbours(lists)
-    assert lists.state[STATUS] == GOOD
+    assert lists.bookkeeping[STATUS] == GOOD
     return lists
 
 
@@ -36,9 +36,9 @@ def listed_distances(lists: Neighbours, radius: float) -> list[tuple[int, int, f
     """(i, j, distance) of the listed images nearer than `radius`, and of the members of each tile, sorted."""
     dimension = len(lists.sides)
     number = len(lists.order)
-    slots = lists.packed.reshape(-1, 4 if dimension == 3 else 2)[: lists.state[SLOTS], :dimension]
-    tagged = np.full(lists.state[SLOTS], np.nan)
-    spread(lists, np.arange(number, dtype=float), tagged)
+    slots = lists.packed.reshape(-1, 4 if dimension == 3 else 2)[: lists.bookkeeping[SLOTS], :dimension]
+    tagged = np.full(lists.bookkeeping[SLOTS], np.nan)
+    copy_to_slots(lists, np.arange(number, dtype=float), tagged)
     found = []
     for tile in range(len(lists.first) - 1):
         members = range(tile * WIDTH, min((tile + 1) * WIDTH, number))
@@ -132,7 +132,7 @@ def test_lists_are_renewed_when_half_the_skin_is_passed_and_not_before(dimension
         (0.501 * (1 - CLOSE) * skin + 0.501 * CLOSE * skin, 2, 4),
     ]:
         lists = updated(lists, r + displacement * one)
-        assert (lists.state[BUILDS], lists.state[PRUNES]) == (builds, prunes)
+        assert (lists.bookkeeping[BUILDS], lists.bookkeeping[PRUNES]) == (builds, prunes)
         assert_complete(lists, r + displacement * one)
 
 
@@ -142,7 +142,7 @@ def test_two_particles_that_approach_from_beyond_the_lists_are_found():
         r = np.array([-gap / 2, 0.0, gap / 2, 0.0])
         lists = updated(lists, r)
         assert len(listed_distances(lists, 1.0)) == (2 if gap < 1 else 0)
-    assert 1 < lists.state[BUILDS] < 10
+    assert 1 < lists.bookkeeping[BUILDS] < 10
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -1,16 +1,17 @@
 """Verlet lists of particles within a radius of each other, from cells and periodic images, rebuilt by displacement.
 
 A list of the pairs closer than cutoff + skin when it was made holds every pair closer than the cutoff until two
-particles together have moved by the skin (Verlet 1967). There are two such lists: a wide one, dear to build and seldom
-built, and a close one with a quarter of its skin, picked from the wide one, that the force kernels run through (dual
-lists, Pall et al. 2020). `update` renews each as soon as twice the largest displacement could exceed what it allows.
+particles together have moved by the skin (Verlet 1967). There are two such lists: a wide one, costly to build and
+seldom built, and a close one with a quarter of its skin, picked from the wide one, that the force kernels run through
+(dual lists, Pall et al. 2020). `update` renews each as soon as twice the largest displacement could exceed what it
+allows.
 
 Particles are sorted along a snaking path through columns of cells; the place of a particle in that order is its
 *slot*. Eight consecutive slots form a *tile*: a compact group that shares one list of neighbours, the union of the
 lists of its members, so that a force kernel takes one neighbour against eight particles at a time in the lanes of a
 vector (cluster lists, Pall & Hess 2013). The list is full: each pair is found from both of its sides, and no force is
 scattered. Images of the columns next to a periodic face follow the particles as further slots, at positions shifted by
-the box side, so that no kernel knows of boundary conditions. Cells cost O(N) (Yao, Wang, Liu & Cheng 2004).
+the box side, so that no force kernel needs boundary conditions. Cells cost O(N) (Yao, Wang, Liu & Cheng 2004).
 
 Literature: L. Verlet, Phys. Rev. 159, 98 (1967); M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids
 (1987), sections 5.3.1-5.3.2; Z. Yao, J.-S. Wang, G.-R. Liu and M. Cheng, Comput. Phys. Commun. 161, 27 (2004);
@@ -19,18 +20,19 @@ S. Pall and B. Hess, Comput. Phys. Commun. 184, 2641 (2013); S. Pall et al., J. 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import ceil, prod
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
+from refimpl.stepping.kernels.compiled import inline_internal, internal
 from refimpl.stepping.kernels.simd import WIDTH, any_lane, load, load_splat, splat
 
-#: Indices of `Neighbours.state`.
+#: Indices of `Neighbours.bookkeeping`.
 STATUS = 0  # of the last `update`
 VALID = 1  # 1 when the wide lists belong to the positions in `built`
 BUILDS = 2  # number of builds of the wide lists so far
@@ -44,20 +46,18 @@ SAFE = 1 - 1e-9
 #: Coordinates further than this many list radii from the origin count as diverged: nearer, rounding is safe by SAFE.
 FAR = 1e6
 #: Position of the slots that fill up the last tile: beyond any cutoff, and its square is still finite.
-NOWHERE = 1e150
+FILLER_POSITION = 1e150
 #: Skin of the close lists over that of the wide ones.
 CLOSE = 0.25
 #: Cells along the last axis per column width: fine, as they need not hold a tile.
 FINE = 7
-
-Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
 class Neighbours(NamedTuple):
     """Verlet lists of N particles in d = 2 or 3 dimensions, and the arrays that they are made from.
 
     sides: box side of each periodic axis, 0 for an open axis. cutoff, skin: the wide lists reach cutoff + skin.
-    order: (N,) particle in each slot. offset: (N*d,) what wrapping into the box took from each slot's coordinates.
+    order: (N,) particle in each slot. offset: (N*d,) what wrapping into the box subtracted from the coordinates.
     built, pruned: (N*d,) wrapped coordinates of the slots when the wide and the close lists were made.
     packed: coordinates of every slot, tile members first and images after, in records of 4 (3D) or 2 (2D).
     tiles: coordinates of the tiles, WIDTH x, then WIDTH y, then WIDTH z each.
@@ -65,7 +65,7 @@ class Neighbours(NamedTuple):
     wide_first and wide_entries likewise.
     start, image_offset: slots of the cells and of their images. blocks: (first slot, number of slots) of each run of
     consecutive slots that has an image, with its displacement in block_shift.
-    state: counters and capacities, see STATUS and the names after it.
+    bookkeeping: counters and capacities, see STATUS and the names after it.
     """
 
     sides: tuple[float, ...]
@@ -85,7 +85,7 @@ class Neighbours(NamedTuple):
     image_offset: np.ndarray
     blocks: np.ndarray
     block_shift: np.ndarray
-    state: np.ndarray
+    bookkeeping: np.ndarray
 
 
 class _Axis(NamedTuple):
@@ -105,18 +105,6 @@ class _Grid(NamedTuple):
     a: _Axis
     b: _Axis
     c: _Axis
-
-
-def inner(function: Kernel) -> Kernel:
-    """Compiled for kernels only: a wrapper for Python would take as long again. Python must not call it."""
-    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return cast(Kernel, njit(error_model="numpy", **options)(function))
-
-
-def inline(function: Kernel) -> Kernel:
-    """As `inner`, and made part of its callers."""
-    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return cast(Kernel, njit(error_model="numpy", forceinline=True, **options)(function))
 
 
 def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) -> Neighbours:
@@ -141,7 +129,7 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
             f"periodic box sides must be at least cutoff + skin = {reach}, got {tuple(sides)}: reduce the skin"
         )
     tiles = -(-number // WIDTH)
-    # A guess for a uniform fluid: `enlarge` mends it where particles cluster.
+    # An estimate for a uniform fluid; where particles cluster, `enlarge_neighbours` enlarges the arrays.
     span = [side if side > 0 else number ** (1 / dimension) * cutoff / 2 for side in sides]
     density = number / prod(span)
     width = (WIDTH / density) ** (1 / dimension)
@@ -168,20 +156,20 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
         image_offset=np.zeros(3 * columns, dtype=np.int64),
         blocks=np.zeros(2 * 3 * columns, dtype=np.int64),
         block_shift=np.zeros(3 * 3 * columns),
-        state=np.zeros(7, dtype=np.int64),
+        bookkeeping=np.zeros(7, dtype=np.int64),
     )
 
 
 def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
     """The same lists, not valid yet, with room for what the last `update` lacked, and a quarter more."""
     dimension = len(neighbours.sides)
-    state = neighbours.state.copy()
-    state[VALID] = 0
-    blocks = max(len(neighbours.blocks) // 2, int(1.25 * state[BLOCKS]) + 8)
-    slots = max(len(neighbours.packed) // _record(dimension), int(1.25 * state[SLOTS]) + 8)
+    bookkeeping = neighbours.bookkeeping.copy()
+    bookkeeping[VALID] = 0
+    blocks = max(len(neighbours.blocks) // 2, int(1.25 * bookkeeping[BLOCKS]) + 8)
+    slots = max(len(neighbours.packed) // _record(dimension), int(1.25 * bookkeeping[SLOTS]) + 8)
     entries = len(neighbours.entries)
-    if state[ENTRIES] > entries:
-        entries = max(2 * entries, int(1.25 * state[ENTRIES]))
+    if bookkeeping[ENTRIES] > entries:
+        entries = max(2 * entries, int(1.25 * bookkeeping[ENTRIES]))
     return neighbours._replace(
         packed=np.zeros(slots * _record(dimension)),
         entries=np.zeros(entries, dtype=np.uint32),
@@ -189,7 +177,7 @@ def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
         image_offset=np.zeros(blocks, dtype=np.int64),
         blocks=np.zeros(2 * blocks, dtype=np.int64),
         block_shift=np.zeros(3 * blocks),
-        state=state,
+        bookkeeping=bookkeeping,
     )
 
 
@@ -208,9 +196,9 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
     """
     if r.size != neighbours.built.size:
         raise ValueError("r must hold number * dimension coordinates")
-    state = neighbours.state
-    state[STATUS] = GOOD
-    if state[VALID] == 1:
+    bookkeeping = neighbours.bookkeeping
+    bookkeeping[STATUS] = GOOD
+    if bookkeeping[VALID] == 1:
         still_close = _refresh(neighbours, r)
         _copy_images(neighbours)
         if still_close:
@@ -218,15 +206,15 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
         if _moved_less(neighbours, 0.5 * (1 - CLOSE) * neighbours.skin):
             _prune(neighbours)
             return GOOD
-    state[VALID] = 0
-    state[STATUS] = _build(neighbours, r)
-    if state[STATUS] == GOOD:
-        state[VALID] = 1
+    bookkeeping[VALID] = 0
+    bookkeeping[STATUS] = _build(neighbours, r)
+    if bookkeeping[STATUS] == GOOD:
+        bookkeeping[VALID] = 1
         _prune(neighbours)
-    return state[STATUS]
+    return bookkeeping[STATUS]
 
 
-@inner
+@internal
 def _refresh(neighbours: Neighbours, r: np.ndarray) -> bool:
     """Coordinates of the sorted particles; False if the close lists may miss a pair, or one is not a number."""
     order, offset, pruned = neighbours.order, neighbours.offset, neighbours.pruned
@@ -248,7 +236,7 @@ def _refresh(neighbours: Neighbours, r: np.ndarray) -> bool:
     return still
 
 
-@inner
+@internal
 def _moved_less(neighbours: Neighbours, limit: float) -> bool:
     """True if no particle is further than `limit` from where the wide lists were built; False for not-a-number."""
     packed, built = neighbours.packed, neighbours.built
@@ -263,7 +251,7 @@ def _moved_less(neighbours: Neighbours, limit: float) -> bool:
     return still
 
 
-@inline
+@inline_internal
 def _distance2(packed, sides, j, xi, yi, zi):  # type: ignore[no-untyped-def]
     """Squared distances of slot j from the members of a tile; two dimensions leave out zi."""
     record = _record(len(sides))
@@ -276,7 +264,7 @@ def _distance2(packed, sides, j, xi, yi, zi):  # type: ignore[no-untyped-def]
     return r2
 
 
-@inner
+@internal
 def _prune(neighbours: Neighbours) -> None:
     """Close lists: the entries of the wide ones that are within cutoff + CLOSE * skin of a member of the tile."""
     packed, tiles, pruned = neighbours.packed, neighbours.tiles, neighbours.pruned
@@ -300,16 +288,16 @@ def _prune(neighbours: Neighbours) -> None:
             entries[found] = j
             found += any_lane(_distance2(packed, neighbours.sides, np.int64(j), xi, yi, zi) < reach2)
     first[len(first) - 1] = found
-    neighbours.state[PRUNES] += 1
+    neighbours.bookkeeping[PRUNES] += 1
 
 
-@inner
+@internal
 def _copy_images(neighbours: Neighbours) -> None:
     packed, blocks, block_shift = neighbours.packed, neighbours.blocks, neighbours.block_shift
     dimension = len(neighbours.sides)
     record = _record(dimension)
     image = len(neighbours.first) * WIDTH - WIDTH
-    for block in range(neighbours.state[BLOCKS]):
+    for block in range(neighbours.bookkeeping[BLOCKS]):
         source, count = blocks[2 * block], blocks[2 * block + 1]
         for i in range(count):
             for k in range(dimension):
@@ -318,19 +306,19 @@ def _copy_images(neighbours: Neighbours) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def spread(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray) -> None:
+def copy_to_slots(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray) -> None:
     """Copies the `values` of the particles, shape (N,), to their slots and images; other `slots` keep theirs."""
     for slot in range(len(neighbours.order)):
         slots[slot] = values[neighbours.order[slot]]
     image = len(neighbours.first) * WIDTH - WIDTH
-    for block in range(neighbours.state[BLOCKS]):
+    for block in range(neighbours.bookkeeping[BLOCKS]):
         source, count = neighbours.blocks[2 * block], neighbours.blocks[2 * block + 1]
         for i in range(count):
             slots[image + i] = slots[source + i]
         image += count
 
 
-@inner
+@internal
 def _build(neighbours: Neighbours, r: np.ndarray) -> int:
     reach = neighbours.cutoff + neighbours.skin
     far = FAR * reach
@@ -344,11 +332,11 @@ def _build(neighbours: Neighbours, r: np.ndarray) -> int:
     _copy_images(neighbours)
     if not _fill_lists(neighbours, grid):
         return NEEDS_CAPACITY
-    neighbours.state[BUILDS] += 1
+    neighbours.bookkeeping[BUILDS] += 1
     return GOOD
 
 
-@inner
+@internal
 def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: int) -> _Grid:
     """Columns as wide as a cubic (2D: square) tile is at the mean density, at most `limit` cells in all."""
     dimension = len(sides)
@@ -376,7 +364,7 @@ def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: i
     )
 
 
-@inner
+@internal
 def _extent(side: float, r: np.ndarray, k: int, dimension: int) -> tuple[float, float]:
     """Lower end and length of axis k: the box if it is periodic, else what the particles take up."""
     if side > 0:
@@ -388,20 +376,20 @@ def _extent(side: float, r: np.ndarray, k: int, dimension: int) -> tuple[float, 
     return low, high - low
 
 
-@inner
+@internal
 def _axis(cells: float, low: float, extent: float, side: float, reach: float) -> _Axis:
     inverse = cells / extent if extent > 0 else 0.0
     around = min(cells, np.ceil(reach * inverse)) if side > 0 else 0.0
     return _Axis(int(cells), low, extent / cells, inverse, int(around))
 
 
-@inline
+@inline_internal
 def _column(grid: _Grid, a: int, b: int) -> int:
     """Number of a column along the snaking path: neighbours on the path are neighbours in space."""
     return a * grid.b.cells + (grid.b.cells - 1 - b if a % 2 else b)
 
 
-@inline
+@inline_internal
 def _slots(grid: _Grid, start: np.ndarray, column: int, low: int, high: int) -> tuple[int, int]:
     """First slot and end of the cells low ... high of a column; odd columns are walked downwards."""
     if column % 2:
@@ -409,7 +397,7 @@ def _slots(grid: _Grid, start: np.ndarray, column: int, low: int, high: int) -> 
     return start[column * grid.c.cells + low], start[column * grid.c.cells + high + 1]
 
 
-@inline
+@inline_internal
 def _imaged(grid: _Grid, shift_c: int) -> tuple[int, int]:
     """First and last cell of a column that has an image `shift_c` boxes along the column; none if last < first."""
     low = grid.c.cells - grid.c.around if shift_c == -1 else 0
@@ -417,19 +405,19 @@ def _imaged(grid: _Grid, shift_c: int) -> tuple[int, int]:
     return low, high
 
 
-@inline
+@inline_internal
 def _offset(x: float, side: float) -> float:
-    """What wrapping takes from a coordinate: a whole number of box sides."""
+    """What wrapping into the box subtracts from a coordinate: a whole number of box sides."""
     return side * np.floor(x / side) if side > 0 else 0.0
 
 
-@inline
+@inline_internal
 def _cell(axis: _Axis, x: float, side: float) -> int:
     cell = int((x - _offset(x, side) - axis.low) * axis.inverse)
     return min(axis.cells - 1, max(0, cell))
 
 
-@inner
+@internal
 def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
     """Counting sort of the particles by cell along the snaking path."""
     sides, order, offset, built = neighbours.sides, neighbours.order, neighbours.offset, neighbours.built
@@ -471,21 +459,21 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
         tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
         for k in range(dimension):
             # Apart from each other, so that they do not interact either.
-            packed[slot * record + k] = NOWHERE * (slot % WIDTH)
-            tiles[tile + k * WIDTH] = NOWHERE * (slot % WIDTH)
+            packed[slot * record + k] = FILLER_POSITION * (slot % WIDTH)
+            tiles[tile + k * WIDTH] = FILLER_POSITION * (slot % WIDTH)
 
 
-@inner
+@internal
 def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
-    """Which slots are imaged, where to and by how much; False if the arrays are too small."""
-    sides, start, state = neighbours.sides, neighbours.start, neighbours.state
+    """Lists which slots have images, their places and displacements; False if the arrays are too small."""
+    sides, start, bookkeeping = neighbours.sides, neighbours.start, neighbours.bookkeeping
     image_offset, blocks, block_shift = neighbours.image_offset, neighbours.blocks, neighbours.block_shift
     dimension = len(sides)
     end = len(neighbours.first) * WIDTH - WIDTH
     block = 0
     columns = (grid.a.cells + 2 * grid.a.around) * (grid.b.cells + 2 * grid.b.around)
     if 3 * columns > len(image_offset) or 6 * columns > len(blocks):
-        state[BLOCKS] = 3 * columns
+        bookkeeping[BLOCKS] = 3 * columns
         return False
     position = 0
     for a in range(-grid.a.around, grid.a.cells + grid.a.around):
@@ -507,12 +495,12 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
                     end += source_end - source
                     block += 1
                 position += 1
-    state[BLOCKS] = block
-    state[SLOTS] = end
+    bookkeeping[BLOCKS] = block
+    bookkeeping[SLOTS] = end
     return end * _record(dimension) <= len(neighbours.packed)
 
 
-@inner
+@internal
 def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
     """Wide lists: the slots within cutoff + skin of a member of each tile; False if the array is too small."""
     packed, tiles, start = neighbours.packed, neighbours.tiles, neighbours.start
@@ -559,18 +547,18 @@ def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
                     slot += image_offset[position + shift_c + 1]
                     end += image_offset[position + shift_c + 1]
                     if found + end - slot > len(entries):
-                        neighbours.state[ENTRIES] = found + end - slot
+                        neighbours.bookkeeping[ENTRIES] = found + end - slot
                         return False
                     for j in range(slot, end):
                         entries[found] = j
                         near = any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
                         found += near & (j // WIDTH != tile)
     first[len(first) - 1] = found
-    neighbours.state[ENTRIES] = found
+    neighbours.bookkeeping[ENTRIES] = found
     return True
 
 
-@inline
+@inline_internal
 def _range(axis: _Axis, tiles: np.ndarray, base: int, members: int, reach: float) -> tuple[float, float, int, int]:
     """Extent of a tile along an axis, and the range of the cells, images included, within `reach` of it."""
     low = high = tiles[base]
@@ -582,7 +570,7 @@ def _range(axis: _Axis, tiles: np.ndarray, base: int, members: int, reach: float
     return low, high, max(-axis.around, cell_from), min(axis.cells - 1 + axis.around, cell_to)
 
 
-@inline
+@inline_internal
 def _gap(axis: _Axis, cell: int, low: float, high: float) -> float:
     """Distance between a cell and the interval low ... high."""
     cell_low = axis.low + cell * axis.width

@@ -21,7 +21,7 @@ from refimpl.events.model import (
     Cylinder,
     Face,
     Friction,
-    Model,
+    HardSpheres,
     Oscillation,
     RandomPhase,
     Well,
@@ -120,7 +120,7 @@ def sizes_and_masses(data: st.DataObject, rng: np.random.Generator, number: int)
     return {"diameters": sizes, "masses": masses}
 
 
-def gas(data: st.DataObject, d: int) -> tuple[Model, Simulation]:
+def gas(data: st.DataObject, d: int) -> tuple[HardSpheres, Simulation]:
     """Everything that a model of the full type can be."""
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32)))
     number = data.draw(st.integers(30, 60))

@@ -22,19 +22,19 @@ from refimpl.events.model import (
     Cylinder,
     Face,
     Friction,
-    Model,
+    HardSpheres,
     Oscillation,
     RandomPhase,
     hard_spheres,
 )
 from refimpl.events.rules import (
-    hit_drum,
+    apply_impulse,
+    hit_cylinder,
     hit_plane,
-    in_contact_still,
-    kick,
     normal_restitution,
     pair_impulse,
     random_uniform,
+    still_in_contact,
     thermal_velocity,
     wall_velocity,
     well_velocity,
@@ -57,7 +57,7 @@ ratios = st.floats(-3, 3).map(lambda power: 10**power)
 class Impact(NamedTuple):
     """Two particles in contact that approach; n from the first to the second."""
 
-    model: Model
+    model: HardSpheres
     rows: np.ndarray
     spins: np.ndarray
     n: np.ndarray
@@ -109,8 +109,8 @@ def collide(event: Impact, recent: bool = False) -> np.ndarray:
     model, n = event.model, event.n
     gn = (event.rows[1, 3:6] - event.rows[0, 3:6]) @ n
     alpha = normal_restitution(model.restitution, recent)
-    p = pair_impulse(model.rough, event.spins, model, event.rows, 0, 1, *n, gn, alpha, recent)
-    kick(model, event.rows, 0, 1, *p)
+    p = pair_impulse(model.rough, event.spins, model, event.rows, 0, 1, tuple(n.tolist()), gn, alpha, recent)
+    apply_impulse(model, event.rows, 0, 1, p)
     return np.array(p)
 
 
@@ -143,7 +143,7 @@ def test_contact_velocity_coulomb_and_loss(event: Impact) -> None:
     normal_after, slip_after = event.contact_velocity()
     across = p - (p @ event.n) * event.n
     jn, jt = p @ event.n, np.linalg.norm(across)
-    # rounding: of the velocities, the lighter one's kick included, and of the spins through the inverse inertia
+    # rounding: of the velocities, the lighter one's change included, and of the spins through the inverse inertia
     rounding = 64 * EPS * (event.scale() / event.masses.min() / min(q, 1))
     assert normal_after == pytest.approx(-alpha * normal, abs=rounding)
     assert jn == pytest.approx(-(1 + alpha) * reduced * normal, rel=16 * EPS, abs=EPS * event.scale())
@@ -175,13 +175,13 @@ def test_grains_that_have_just_collided_are_smooth_and_elastic(event: Impact) ->
 
 
 def test_time_in_contact() -> None:
-    assert [normal_restitution(0.5, in_contact_still(0.1, age)) for age in (0.0, 0.09, 0.1, 1.0)] == [
+    assert [normal_restitution(0.5, still_in_contact(0.1, age)) for age in (0.0, 0.09, 0.1, 1.0)] == [
         1.0,
         1.0,
         0.5,
         0.5,
     ]
-    assert not in_contact_still(None, 0.0)
+    assert not still_in_contact(None, 0.0)
     assert normal_restitution(None, False) == 1.0
 
 
@@ -189,15 +189,15 @@ def test_a_fixed_particle_stays() -> None:
     model = hard_spheres(lengths=(9.0,) * 3, periodic=(True,) * 3, masses=[1.0, math.inf])
     rows = np.zeros((2, 8))
     rows[0, 3:6], rows[1, 0] = [1.0, 0.5, 0.0], 1.0
-    p = pair_impulse(None, None, model, rows, 0, 1, 1.0, 0.0, 0.0, -1.0, 1.0, False)
-    kick(model, rows, 0, 1, *p)
+    p = pair_impulse(None, None, model, rows, 0, 1, (1.0, 0.0, 0.0), -1.0, 1.0, False)
+    apply_impulse(model, rows, 0, 1, p)
     np.testing.assert_array_equal(rows[:, 3:6], [[-1.0, 0.5, 0.0], [0.0, 0.0, 0.0]])
 
 
 # -- walls ----------------------------------------------------------------------------------------
 
 
-def walled(d: int, face: int, wall: Face, friction: Friction = SMOOTH, mass: float = 2.0, **more: Any) -> Model:
+def walled(d: int, face: int, wall: Face, friction: Friction = SMOOTH, mass: float = 2.0, **more: Any) -> HardSpheres:
     faces = [wall if k == face else None for k in range(2 * d)]
     periodic = [k != face >> 1 for k in range(d)]
     return full(1, lengths=(9.0,) * d, periodic=periodic, faces=faces, friction=friction, masses=mass, **more)
@@ -209,7 +209,7 @@ def inward(face: int) -> np.ndarray:
     return n
 
 
-def hit(model: Model, rows: np.ndarray, spins: np.ndarray, face: int, now: float = 0.0, count: int = 0) -> None:
+def hit(model: HardSpheres, rows: np.ndarray, spins: np.ndarray, face: int, now: float = 0.0, count: int = 0) -> None:
     hit_plane(model, model.walls, model.rough, model.seed, rows, spins, 0, count, face, now, False)
 
 
@@ -281,7 +281,7 @@ def test_drum_rule(seed: int, axis: int, alpha: float, turning: float, friction:
     rows[0, axis] = rng.uniform(0, 9)
     rows[0, 3:6] = rng.normal(size=3)
     v, w = rows[0, 3:6].copy(), spins[0].copy()
-    hit_drum(model, model.drum, model.rough, rows, spins, 0, False)
+    hit_cylinder(model, model.cylinder, model.rough, rows, spins, 0, False)
     after, turned = rows[0, 3:6], spins[0]
     gn = v @ out
     if gn <= 0:

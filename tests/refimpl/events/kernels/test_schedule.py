@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from refimpl.events.compiled import kernel
+from refimpl.events.kernels.compiled import kernel
 from refimpl.events.kernels.schedule import (
     COMPARISONS,
     COUNT,
@@ -24,8 +24,8 @@ from refimpl.events.kernels.schedule import (
     add,
     build_calendar,
     build_tree,
+    drop_events,
     first,
-    forget,
     has_room,
     pop,
     update,
@@ -49,7 +49,7 @@ def play_store(store: Any, rows: Any, ints: Any, counts: Any, what: int, i: int,
     if what == ADD:
         add(store, rows, ints, counts, i, time, j)
     elif what == FORGET:
-        forget(store, rows, ints, counts, i)
+        drop_events(store, rows, ints, counts, i)
     else:
         pop(store, rows, ints, counts, i)
 
@@ -228,12 +228,12 @@ def test_lists_of_events(sequence: list[tuple[int, int, float, int]]) -> None:
 
 
 def test_a_full_store_grows_with_its_events() -> None:
-    from refimpl.events.simulation import _longer
+    from refimpl.events.simulation import _with_more_nodes
 
     store, rows, ints = empty_lists(2, 4), np.zeros((2, 8)), np.zeros((2, 8), np.int32)
     for time in (3.0, 1.0, 2.0):
         play_store(store, rows, ints, None, ADD, 1, time, 0)
-    longer = _longer(store)
+    longer = _with_more_nodes(store)
     assert content(longer, 1) == content(store, 1)
     assert longer.free[1] == unused(longer) == 5
     for time in np.arange(5.0):
