@@ -140,7 +140,7 @@ def steady_mean(values: ArrayLike, quantity: str, expected: float, needed: float
 
 
 def significant(values: Floats, quantity: str) -> Judgement:
-    """A difference that must be positive beyond doubt; values: (stretches,)."""
+    """A difference that must be positive beyond doubt, a control that the state is as meant; values: (stretches,)."""
     from scipy.stats import t
 
     mean = correlated_mean(values)
@@ -150,6 +150,7 @@ def significant(values: Floats, quantity: str) -> Judgement:
         float(t.isf(FALSE_ALARM, len(values) - 1)),
         f"Student's t of {len(values)} stretches, false-alarm rate {FALSE_ALARM:g}",
         at_least=True,
+        control=True,
         note=f"the difference is {mean.value:.4g}",
     )
 
