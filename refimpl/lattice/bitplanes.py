@@ -9,20 +9,34 @@ from typing import Any
 
 import numpy as np
 
-from refimpl.lattice.gas import DRAW_X, DRAW_Y, REVERSE_X, REVERSE_Y, LatticeGas
+from refimpl.lattice.gas import DRAW_X, DRAW_Y, REVERSE_X, REVERSE_Y, Forcing, LatticeGas
 from refimpl.lattice.kernels.planes import PAD, Push, advance, populations, seal
 from refimpl.lattice.kernels.words import WIDTH
+from refimpl.lattice.models import Model
 
-# Neighbouring planes, and source and target, must not lie a multiple of 4096 bytes apart: loads would wait for stores
-# to the same place of another page, and planes would share the lines of a cache. Words of 8 bytes.
+# In words of 8 bytes. Neighbouring planes, and source and target, must not lie a multiple of 4096 bytes apart: the
+# processor would make loads wait for stores to the same offset of another page, and planes would share cache lines.
 _PAGE, _HUGE, _APART = 512, 1 << 18, 72
 
 
 class PlaneGas(LatticeGas):
-    """One plane of bits a channel. threads: each takes a stretch of rows."""
+    """One plane of bits a channel.
 
-    def __init__(self, model, sites, *, threads: int = 1, **more) -> None:  # type: ignore[no-untyped-def]
-        super().__init__(model, sites, **more)
+    model, sites, seed, walls, forcing: as of `LatticeGas`, with its errors. threads: each takes a stretch
+    of rows; ValueError if there is none.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        sites: np.ndarray,
+        *,
+        threads: int = 1,
+        seed: int = 0,
+        walls: np.ndarray | None = None,
+        forcing: Forcing | None = None,
+    ) -> None:
+        super().__init__(model, sites, seed=seed, walls=walls, forcing=forcing)
         if threads < 1:
             raise ValueError(f"threads = {threads} must be at least 1")
         words = -(-self.columns // (64 * WIDTH)) * WIDTH

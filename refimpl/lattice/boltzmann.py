@@ -8,11 +8,12 @@ Literature: U. Frisch et al., Complex Systems 1, 649 (1987); G. R. McNamara and 
 
 from __future__ import annotations
 
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from refimpl.lattice.gas import Forcing
 from refimpl.lattice.models import Model
 from refimpl.lattice.theory import collision_term, entropy_density
 from refimpl.lattice.velocities import VelocitySet
@@ -21,33 +22,24 @@ Floats: TypeAlias = NDArray[np.float64]
 Indices: TypeAlias = NDArray[np.intp]
 
 
-class Drive(Protocol):
-    """What pushes the gas: a particle in the channel opposite to `channel` turns into it, if it is free."""
-
-    @property
-    def channel(self) -> int: ...
-
-    @property
-    def probability(self) -> float: ...
-
-
 class BoltzmannLattice:
-    """Mean occupations f (rows, columns, b), advanced step by step; the edges of the array are periodic.
+    """Mean occupations f, advanced step by step; the edges of the array are periodic.
 
-    A step is propagation; then the drive at fluid sites; then collision at fluid sites, reflection at wall sites.
+    A step is propagation; then the force at fluid sites; then collision at fluid sites, reflection at wall sites.
 
-    walls (rows, columns): 0 fluid; 1 reverses the x component of the velocity, 2 the y component, 4 and 8 do so with
+    model: the velocity set and the collisions. f: (rows, columns, b) mean occupations, in [0, 1].
+    walls: (rows, columns); 0 fluid; 1 reverses the x component of the velocity, 2 the y component, 4 and 8 do so with
     probability 1/2, on one draw; their sums do both. 3 is bounce-back, 2 a specular and 6 a diffusive wall whose normal
     is y; 1 and 9 those whose normal is x. No walls: None.
     forcing: with probability p a particle of the channel opposite to i turns into channel i if that is free, so that
-    p f_opp (1 - f_i) moves on average. None: no drive.
+    p f_opp (1 - f_i) moves on average. None: no force.
 
     ValueError for arrays of the wrong shape, an odd number of rows on the triangular lattice, occupations outside
-    [0, 1], walls above 15, and a drive along no channel, along a rest channel or with a probability outside [0, 1].
+    [0, 1], walls above 15, and a force along no channel, along a rest channel or with a probability outside [0, 1].
     """
 
     def __init__(
-        self, model: Model, f: ArrayLike, walls: ArrayLike | None = None, forcing: Drive | None = None
+        self, model: Model, f: ArrayLike, walls: ArrayLike | None = None, forcing: Forcing | None = None
     ) -> None:
         self.model = model
         self.f = np.array(f, dtype=np.float64)
@@ -79,7 +71,7 @@ class BoltzmannLattice:
         ]
 
     def advance(self, steps: int) -> None:
-        """`steps` steps."""
+        """Takes `steps` steps."""
         for _ in range(steps):
             arrived = self.f.take(self._sources).reshape(-1, self.model.channels)
             fluid = arrived[self._fluid] if self._walls else arrived
@@ -93,7 +85,7 @@ class BoltzmannLattice:
             self.f = arrived.reshape(self.f.shape)
             self.time += 1
 
-    def _drive(self, fluid: Floats, forcing: Drive) -> None:
+    def _drive(self, fluid: Floats, forcing: Forcing) -> None:
         i, opposite = forcing.channel, self.model.velocities.image(-1, -1)[forcing.channel]
         moved = forcing.probability * fluid[:, opposite] * (1 - fluid[:, i])
         fluid[:, opposite] -= moved
@@ -102,7 +94,7 @@ class BoltzmannLattice:
     def populations(self, down: int, across: int) -> Floats:
         """Mean particles of each channel in down x across equal blocks, (down, across, b), row 0 and column 0 first.
 
-        ValueError if the blocks do not divide the lattice.
+        Raises ValueError if the blocks do not divide the lattice.
         """
         rows, columns, channels = self.f.shape
         if down < 1 or across < 1 or rows % down or columns % across:
@@ -111,7 +103,7 @@ class BoltzmannLattice:
 
     @property
     def h_function(self) -> float:
-        """H = sum of f ln f + (1 - f) ln(1 - f): never increases without a drive."""
+        """H = sum of f ln f + (1 - f) ln(1 - f): never increases without a force."""
         return float(entropy_density(self.f).sum())
 
 

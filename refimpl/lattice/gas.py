@@ -1,4 +1,4 @@
-"""What all evolvers of a lattice gas share: the lattice, its walls, the force, and what can be asked of them.
+"""What all evolvers of a lattice gas share: the lattice, its walls, the force, and what they return.
 
 A step is propagation, then the force, then the collision; at wall sites, reflection takes the place of the latter two.
 The array of sites is periodic along both axes: a wall is a row, a column or any set of sites of its own, and particles
@@ -45,10 +45,15 @@ class Forcing(NamedTuple):
 
 
 class LatticeGas(ABC):
-    """A lattice gas at `time`, with `impulses` (rows,): particles that the force has turned in each row, so far.
+    """A lattice gas at `time`, in steps; `impulses` (rows,): particles that the force has turned in each row.
 
-    sites: (rows, columns) of states, uint8. walls: (rows, columns) of rules, or None. seed: of collisions, diffusive
-    walls and the force. ValueError names what does not fit together.
+    model: velocity set and collision table. sites: (rows, columns) of states, uint8, bit i for channel i. walls: (rows,
+    columns) of rules, sums of REVERSE_X, REVERSE_Y, DRAW_X, DRAW_Y, or None. seed: of collisions, diffusive walls and
+    the force, 0 <= seed < 2^63. forcing: the force, or None.
+
+    Raises ValueError that names the argument for arrays of another shape or type, states beyond the channels, an odd
+    number of rows on the triangular lattice, rules above 15, and a force that is not along x or whose probability is
+    outside [0, 1].
     """
 
     def __init__(
@@ -105,7 +110,7 @@ class LatticeGas(ABC):
     def populations(self, down: int, across: int) -> np.ndarray:
         """Particles of each channel in down x across equal blocks, (down, across, b), row 0 and column 0 first.
 
-        ValueError if the blocks do not divide the lattice.
+        Raises ValueError if the blocks do not divide the lattice.
         """
         self._check_blocks(down, across)
         sites = self.sites.reshape(down, self.rows // down, across, self.columns // across)
@@ -119,7 +124,7 @@ class LatticeGas(ABC):
             )
 
     def code(self) -> np.ndarray:
-        """States with the bit 2^b set at walls: the site code of the sources."""
+        """States with the bit 2^b set at walls, (rows, columns) uint8."""
         solid = 0 if self.walls is None else (self.walls > 0) * np.uint8(self.model.obstacle)
         return self.sites | np.asarray(solid, dtype=np.uint8)
 
@@ -144,7 +149,7 @@ class LatticeGas(ABC):
 
 
 def reflections(model: Model) -> np.ndarray:
-    """The state with x reversed (1), y reversed (2) or both (3), [rule, state]."""
+    """The state with x reversed (1), y reversed (2) or both (3), of a `model`: uint8, (4, 2^b), [rule, state]."""
     states = np.arange(model.velocities.states)
     table = np.zeros((4, states.size), dtype=np.uint8)
     for rule in range(4):
@@ -155,7 +160,7 @@ def reflections(model: Model) -> np.ndarray:
 
 
 def places(model: Model, rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
-    """Cartesian x and y of the sites, (rows, columns) each."""
+    """Cartesian x and y of the sites of a `model`, in links, (rows, columns) each."""
     v = model.velocities
     row = np.arange(rows)[:, None]
     shift = 0.5 * (row % 2) if v.half_rows else 0.0 * row
@@ -163,7 +168,10 @@ def places(model: Model, rows: int, columns: int) -> tuple[np.ndarray, np.ndarra
 
 
 def drawn_sites(occupations: np.ndarray, generator: np.random.Generator) -> np.ndarray:
-    """States with channel i of each site occupied with probability occupations[..., i], independently."""
+    """States of sites, (...) uint8, with channels occupied at random, independently of each other.
+
+    occupations: (..., b) probabilities. generator: of the random numbers.
+    """
     found = np.zeros(occupations.shape[:-1], dtype=np.uint8)
     for i in range(occupations.shape[-1]):
         found |= (generator.random(found.shape) < occupations[..., i]).astype(np.uint8) << np.uint8(i)
@@ -173,7 +181,8 @@ def drawn_sites(occupations: np.ndarray, generator: np.random.Generator) -> np.n
 def filled_cells(model: Model, density: np.ndarray, cell: int, generator: np.random.Generator) -> np.ndarray:
     """States of cells of cell x cell sites with exact numbers of particles, placed at random in the cell's channels.
 
-    density: (rows/cell, columns/cell); a cell gets round(density b cell^2) particles.
+    model: gives b channels. density: (rows/cell, columns/cell) mean occupations; a cell gets round(density b cell^2)
+    particles. cell: its side, in sites. generator: of the random numbers. Result: (rows, columns) uint8.
     """
     channels, size = model.channels, cell * cell * model.channels
     down, across = density.shape

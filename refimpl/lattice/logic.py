@@ -3,8 +3,8 @@
 For every channel i, t_i(n, r) says whether a collision toggles it, n the b occupations of a site and r its random bits.
 The functions share one reduced ordered decision diagram (Bryant, IEEE Trans. Comput. C-35, 677 (1986)), each node an
 operation or two on words. The order of the variables is improved by sifting, and pairs of them are replaced by their
-exclusive or where that helps (linear sifting: Meinel, Somenzi & Theobald, IEEE Trans. CAD 19, 521 (2000)). Nothing is
-typed by hand: the table alone decides.
+exclusive or where that helps (linear sifting: Meinel, Somenzi & Theobald, IEEE Trans. CAD 19, 521 (2000)). Everything
+is derived from the table.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ class _Diagram:
         elif zero ^ one == full:
             result = self._emit("xor", self._node(zero, level), variable)
         else:
-            # the exclusive or of both halves is often at hand, or simpler than either
+            # the exclusive or of both halves is often known already, or simpler than either
             low = self._node(zero, level)
             difference = self._emit("and", variable, self._node(zero ^ one, level))
             result = self._emit("xor", low, difference)

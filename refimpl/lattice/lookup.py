@@ -5,16 +5,28 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from refimpl.lattice.gas import LatticeGas, reflections
+from refimpl.lattice.gas import Forcing, LatticeGas, reflections
 from refimpl.lattice.logic import draws
+from refimpl.lattice.models import Model
 from refimpl.lattice.randomness import COLLISION, DIGITS, FORCING, ROW, WALLS, random_word, row_key
 
 
 class LookupGas(LatticeGas):
-    """A byte a site, pulled from the neighbours and looked up."""
+    """A byte a site: occupations are read from the neighbours, and the collision is looked up.
 
-    def __init__(self, model, sites, **more) -> None:  # type: ignore[no-untyped-def]
-        super().__init__(model, sites, **more)
+    model, sites, seed, walls, forcing: as of `LatticeGas`, with its errors.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        sites: np.ndarray,
+        *,
+        seed: int = 0,
+        walls: np.ndarray | None = None,
+        forcing: Forcing | None = None,
+    ) -> None:
+        super().__init__(model, sites, seed=seed, walls=walls, forcing=forcing)
         self._sites = np.array(sites)
         self._spare = np.empty_like(self._sites)
         self._mirrors = reflections(model)
@@ -127,7 +139,9 @@ def _reflected(state, rule, mirrors, seed, time, y, x):  # type: ignore[no-untyp
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _advance(sites, target, moves, table, mirrors, walls, force, impulses, seed, start, steps):  # type: ignore[no-untyped-def]
+def _advance(  # type: ignore[no-untyped-def]
+    sites, target, moves, table, mirrors, walls, force, impulses, seed, start, steps
+):
     """The last state is in `target` after an odd number of steps, in `sites` after an even one."""
     for time in range(start, start + steps):
         _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time)

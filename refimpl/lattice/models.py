@@ -21,12 +21,16 @@ import numpy as np
 
 from refimpl.lattice.velocities import SQUARE, TRIANGULAR, TRIANGULAR_REST, VelocitySet
 
-#: What a rule lets a state become: states with the same label.
+#: A rule turns a state into states with the same label.
 Label = Callable[[VelocitySet, int], Hashable]
 
 
 class Model:
-    """velocities, and outcomes[s]: the states that s turns into, each with probability 1/len(outcomes[s])."""
+    """A lattice gas: a velocity set and a collision table.
+
+    name: of the model. velocities: the set. outcomes: 2^b tuples; outcomes[s] are the states that s turns into, each
+    with probability 1/len(outcomes[s]).
+    """
 
     def __init__(self, name: str, velocities: VelocitySet, outcomes: tuple[tuple[int, ...], ...]) -> None:
         self.name = name
@@ -77,9 +81,10 @@ class Model:
 
 
 def build(name: str, velocities: VelocitySet, label: Label, *, identity: bool = False) -> Model:
-    """The model whose collisions keep mass, momentum and `label`.
+    """The model whose collisions conserve mass, momentum and `label`.
 
-    identity: the state that enters is among the outcomes; otherwise it is one only where there is no other.
+    name: of the model. velocities: its set. label: what else of a state is conserved, any hashable value. identity: the
+    state that enters is among the outcomes; otherwise it is one only where there is no other.
     """
     classes: defaultdict[Hashable, list[int]] = defaultdict(list)
     for state in range(velocities.states):

@@ -4,16 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 
-from refimpl.lattice.gas import BOUNCE_BACK, DRAW_X, DRAW_Y, LatticeGas, reflections
+from refimpl.lattice.gas import BOUNCE_BACK, DRAW_X, DRAW_Y, Forcing, LatticeGas, reflections
 from refimpl.lattice.logic import draws
+from refimpl.lattice.models import Model
 from refimpl.lattice.randomness import COLLISION, DIGITS, FORCING, ROW, WALLS, random_word, row_key
 
 
 class PlainGas(LatticeGas):
-    """Propagation by rolling rows, collisions by looking up the table for all sites at once."""
+    """Propagation by rolling rows, collisions by looking up the table for all sites at once.
 
-    def __init__(self, model, sites, **more) -> None:  # type: ignore[no-untyped-def]
-        super().__init__(model, sites, **more)
+    model, sites, seed, walls, forcing: as of `LatticeGas`, with its errors.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        sites: np.ndarray,
+        *,
+        seed: int = 0,
+        walls: np.ndarray | None = None,
+        forcing: Forcing | None = None,
+    ) -> None:
+        super().__init__(model, sites, seed=seed, walls=walls, forcing=forcing)
         self._sites = np.array(sites)
         self._outcomes, self._numbers = model.table
         self._codes = np.array([(1 << (len(found) - 1).bit_length()) - 1 for found in model.outcomes])

@@ -4,6 +4,9 @@ Units: lattice links, steps, particle masses. b channels with velocities c_i; d 
 density per site rho = b d, u the mean velocity, f_i the mean occupations, with the channels on the last axis. D = 2.
 <..> is the mean over the channels; <c_a c_b> = c_s^2 delta_ab.
 
+Arguments that are the same throughout: model: the lattice gas. velocities: its velocity set. density: d, between 0 and
+1, else ValueError. f: (..., b) mean occupations.
+
 The transport coefficients are those of the Boltzmann approximation: occupations of a site are independent before a
 collision. The true ones of FHP gases are larger away from d = 1/2, and grow with the size of the box.
 
@@ -256,6 +259,9 @@ def bulk_viscosity(model: Model, density: float) -> float:
 class Modes(NamedTuple):
     """Eigenvalues of one step on a_i of f_i = f_i^eq + Re a_i exp(i k.r), and the hydrodynamic ones as rates.
 
+    eigenvalues: (b,), all of them. shear_decay, sound_damping: alpha, 1/step. shear_frequency, sound_frequency: omega,
+    radians/step.
+
     An eigenvalue exp(-alpha - i omega) multiplies its mode each step: exp(i (k.r - omega t) - alpha t). Shear is the
     mode of the momentum across k, `shear_frequency` its drift with the flow. Sound is the wave that runs along k; the
     other wave is the one of -k, and differs if the gas moves. In a gas at rest the two make a standing wave,
@@ -308,7 +314,7 @@ def modes(model: Model, density: float, wavevector: ArrayLike, velocity: ArrayLi
 
 
 def polygon(corners: int) -> Floats:
-    """Unit vectors (cos 2 pi i/M, sin 2 pi i/M), i = 0 ... M - 1; (M, 2). ValueError for M < 1."""
+    """Unit vectors (cos 2 pi i/M, sin 2 pi i/M), i = 0 ... M - 1; (M, 2), M = `corners`. ValueError for M < 1."""
     if corners < 1:
         raise ValueError(f"a polygon has at least one corner, got {corners}")
     angles = 2 * np.pi * np.arange(corners) / corners
@@ -316,7 +322,7 @@ def polygon(corners: int) -> Floats:
 
 
 def velocity_tensor(vectors: ArrayLike, order: int) -> Floats:
-    """E^(n) = sum_i c_i c_i ... c_i, n factors; n axes of length D, for vectors (M, D). ValueError for n < 1."""
+    """E^(n) = sum_i c_i c_i ... c_i, n = `order` factors; n axes of length D, for vectors (M, D). ValueError: n < 1."""
     if order < 1:
         raise ValueError(f"a velocity tensor has order 1 or more, got {order}")
     c = np.asarray(vectors, dtype=np.float64)

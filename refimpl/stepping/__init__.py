@@ -1,0 +1,1 @@
+"""Time-step-driven dynamics: `integrate`, the integration `schemes`, and the `forces`."""

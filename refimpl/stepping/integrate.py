@@ -23,7 +23,7 @@ from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
 
 
 def step(self: Any, force: Any, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
-    """`scheme.step(...)`, for kernels."""
+    """`self.step(force, r, v, memory, dt)` of a scheme, callable from kernels; arguments as in `schemes`."""
     state: StepResult = self.step(force, r, v, memory, dt)
     return state
 
@@ -64,7 +64,7 @@ def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # t
 
 
 def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Any]:
-    """f(r, v)/m, and the force, enlarged if it had to be."""
+    """f(r, v)/m at the coordinates r and velocities v, (N*d,) each, and the force, enlarged if it had to be."""
     while True:
         a = accelerate(force, r, v)
         if status(force) != NEEDS_CAPACITY:
@@ -73,15 +73,15 @@ def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, 
 
 
 def thermo_now(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[float, float, float]:
-    """Kinetic energy, potential energy and virial of one state."""
+    """Kinetic energy, potential energy and virial of a force at the coordinates r and velocities v, (N*d,) each."""
     return kinetic_energy(force, v), *energy_and_virial(force, r)
 
 
 def _enlarged(force: Any, r: np.ndarray, v: np.ndarray, outcome: int) -> Any | None:
     """The force with room for what it failed at from (r, v); None if it diverged.
 
-    Of two evaluations in one start or step only the last one's status is left, and it may have met the NaN of the
-    first. Every first one is at (r, v): it is asked again.
+    Of two evaluations in one start or step only the status of the last is known, and DIVERGED may come from the NaN of
+    the first. The first one is always at (r, v): it is repeated.
     """
     if outcome == DIVERGED:
         accelerate(force, r, v)
@@ -91,7 +91,7 @@ def _enlarged(force: Any, r: np.ndarray, v: np.ndarray, outcome: int) -> Any | N
 
 @dataclass
 class Integration:
-    """What `integrate` returns. Sample s is at time s * every * dt; sample 0 is the initial state.
+    """The result of `integrate`. Sample s is at time s * every * dt; sample 0 is the initial state.
 
     r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a non-finite state.
     positions, velocities: (samples, N*d), or fewer coordinates if asked so, or None. thermo: (samples, 3), columns K,
@@ -110,7 +110,10 @@ class Integration:
 
 
 def compile_steps(scheme: str, force: Any, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
-    """Compiles, or loads from the cache, the loop that `integrate` runs with these arguments; takes no step."""
+    """Compiles, or loads from the cache, the loop that `integrate` runs with these arguments; takes no step.
+
+    scheme, force, r, v, dt, thermo: as of `integrate`. Raises KeyError for an unknown scheme.
+    """
     record = SCHEMES[scheme].record
     memory = record.start(force, r, v, dt)
     frames = np.empty((0, r.size))
@@ -132,9 +135,9 @@ def integrate(
 ) -> Integration:
     """Takes `steps` steps of length `dt` with a scheme of `SCHEMES`.
 
-    r, v: flat initial state, shape (N*d,), left untouched. every: steps between samples (default: one, at the end).
-    trajectory: record r and v at the samples; last: only so many of their last coordinates. thermo: record kinetic
-    energy, potential energy and virial there.
+    scheme: its name. force: a record with the functions of `forces.generic`. r, v: flat initial state, shape (N*d,),
+    left untouched. every: steps between samples (default: one, at the end). trajectory: record r and v at the samples;
+    last: only so many of their last coordinates. thermo: record kinetic energy, potential energy and virial there.
     Raises KeyError for an unknown scheme, ValueError for bad sizes.
     """
     if steps < 0 or (every is not None and every < 1):
@@ -153,7 +156,7 @@ def integrate(
     energies = np.full((samples, 3), np.nan) if thermo else None
 
     while True:
-        # taken once: plain Python, which calls the same compiled forces and costs no compilation of its own
+        # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
         outcome = status(force)
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)

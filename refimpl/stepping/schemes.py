@@ -7,8 +7,9 @@ A scheme is a record (a `NamedTuple`, usually without fields) with two pure func
 `step(force, r, v, memory, dt) -> (r, v, memory)`
     the state one step later, positions and velocities at the same time.
 
-`r`, `v`: flat coordinates, shape (N*d,). `accelerate(force, r, v)` is f/m. The functions run as plain numpy, and
-compiled inside the step loop of `integrate`.
+`force`: a record with the functions of `forces.generic`; `accelerate(force, r, v)` is f/m. `r`, `v`: flat coordinates
+and velocities, shape (N*d,). `dt`: the time step, in the unit of time of the force. The functions run as plain numpy,
+and compiled inside the step loop of `integrate`.
 
 To add a scheme: one class here and one line in `SCHEMES`. Its claims are checked by `crosscheck run 'stepping/*'`.
 
@@ -209,6 +210,7 @@ class Gear(NamedTuple):
 class Scheme:
     """A scheme and what it claims; every claim but the prose is checked by runs (`stepping/schemes/*`).
 
+    record: the scheme. title: its name in tables and figures.
     order, order_damped: global orders (position, velocity) of the error for f(r) and for f(r, v).
     stability_limit: largest omega dt for which the undamped oscillator stays bounded for ever; 0 if none does.
     practical_limit: largest omega dt for which its amplitude grows by less than 1 % a step.

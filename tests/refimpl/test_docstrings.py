@@ -1,6 +1,7 @@
 """Every public function and class of `refimpl` says what each of its arguments, or fields, is.
 
-Public: no leading underscore, defined in the module, and the module is not one of the kernels.
+Public: no leading underscore, defined in the module, and the module is not one of the kernels. What an argument of many
+functions is, the module's docstring may say once.
 """
 
 from __future__ import annotations
@@ -30,21 +31,21 @@ def plain(member: Any) -> Any:
 
 
 def public(module: ModuleType) -> Iterator[tuple[str, Any, str]]:
-    """Name, object, and the text that may name its arguments: for a method, that of its class and module too."""
+    """Name, object, and the texts that may name its arguments: its own, its class's and its module's docstring."""
+    shared = module.__doc__ or ""
     for name, member in vars(module).items():
         member = plain(member)
         if name.startswith("_") or getattr(member, "__module__", None) != module.__name__:
             continue
-        if inspect.isfunction(member):
-            yield name, member, inspect.getdoc(member) or ""
-        elif inspect.isclass(member):
-            text = member.__doc__ or ""
-            yield name, member, text
+        own = (member.__doc__ if inspect.isclass(member) else inspect.getdoc(member)) or ""
+        if inspect.isfunction(member) or inspect.isclass(member):
+            yield name, member, f"{own}\n{shared}" if own else ""
+        if inspect.isclass(member):
             for label, attribute in vars(member).items():
                 inner = getattr(attribute, "func", getattr(attribute, "fget", attribute))
                 if not label.startswith("_") and inspect.isfunction(inner):
-                    own = inspect.getdoc(getattr(member, label)) or inspect.getdoc(inner) or ""
-                    yield f"{name}.{label}", inner, "\n".join([own, text, module.__doc__ or ""])
+                    text = inspect.getdoc(getattr(member, label)) or inspect.getdoc(inner) or ""
+                    yield f"{name}.{label}", inner, "\n".join([text, own, shared])
 
 
 MEMBERS = [

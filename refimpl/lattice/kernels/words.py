@@ -66,7 +66,7 @@ def _typeof_model(model: Model, context: Any) -> ModelType:
 
 @cache
 def _type_of(model: Model) -> ModelType:
-    """Asked for at every call of a kernel."""
+    """Cached: needed at every call of a kernel."""
     v = model.velocities
     return ModelType(model.outcomes, v.integers, v.half_rows, (v.image(-1, 1), v.image(1, -1)))
 

@@ -63,7 +63,10 @@ FORCE_EVALUATIONS = 1
 
 
 class Walls(NamedTuple):
-    """12-6 walls: a particle at distance s < cutoff has the energy phi(s) - phi(cutoff) with these parameters."""
+    """12-6 walls: a particle at distance s < cutoff has the energy phi(s) - phi(cutoff) with these parameters.
+
+    epsilon: energy. sigma, cutoff: lengths.
+    """
 
     epsilon: float
     sigma: float
@@ -71,7 +74,7 @@ class Walls(NamedTuple):
 
 
 class Tails(NamedTuple):
-    """What the pairs beyond the cutoff would add to energy, virial and pressure."""
+    """What the pairs beyond the cutoff would add: energy and virial of all particles, and pressure."""
 
     energy: float
     virial: float
@@ -81,11 +84,11 @@ class Tails(NamedTuple):
 class LennardJones(NamedTuple):
     """A Lennard-Jones system; build it with `lennard_jones`. Absent features are None.
 
-    epsilon, sigma: of the only species; or None and species: (N,) indices into species_epsilon, species_sigma.
-    slot_size, slot_strength: sigma/2 and sqrt(epsilon) of the particle in each slot of the lists, in a mixture.
-    shift_energy, shift_force: True where the truncation asks for it. mass: common, not 1; masses: (N,).
-    walls: on the faces 0 and lengths[k] of the axes k that are not periodic. counters: (2,), see LIST_BUILDS and
-    FORCE_EVALUATIONS.
+    lengths: box sides, 0 if there are none. cutoff: of all pairs. epsilon, sigma: of the only species; or None and
+    species: (N,) indices into species_epsilon, species_sigma. slot_size, slot_strength: sigma/2 and sqrt(epsilon) of
+    the particle in each slot of the lists, in a mixture. shift_energy, shift_force: True where the truncation asks for
+    it. mass: common, not 1; masses: (N,). walls: on the faces 0 and lengths[k] of the axes k that are not periodic.
+    neighbours: the lists. counters: (2,), see LIST_BUILDS and FORCE_EVALUATIONS.
     """
 
     lengths: tuple[float, ...]
@@ -161,7 +164,8 @@ def lennard_jones(
     periodic; without, such an axis is open. skin: of the Verlet lists, by default SKIN times the largest sigma: it
     changes the speed only.
 
-    Raises ValueError for any argument out of its range.
+    Units: any consistent set, with lengths, cutoff and skin in the unit of sigma. Raises ValueError for any argument
+    out of its range, and for a cutoff above half of a periodic side.
     """
     if dimension not in (2, 3):
         raise ValueError(f"dimension must be 2 or 3, got {dimension}")
@@ -238,7 +242,7 @@ def _with_slots(force: LennardJones) -> LennardJones:
 
 @register_jitable
 def pair_energy(r: Any, epsilon: Any, sigma: Any) -> Any:
-    """phi(r) = 4 epsilon [(sigma/r)^12 - (sigma/r)^6], elementwise, without truncation."""
+    """phi(r) = 4 epsilon [(sigma/r)^12 - (sigma/r)^6], elementwise, without truncation; sigma, r: lengths."""
     s6 = (sigma / r) ** 6
     return 4.0 * epsilon * (s6 * s6 - s6)
 
@@ -261,8 +265,8 @@ def _parameters(force: LennardJones) -> tuple[np.ndarray, np.ndarray]:
 def plain_forces(force: LennardJones, r: np.ndarray) -> tuple[np.ndarray, float, float]:
     """Forces (N*d,), potential energy and virial at the coordinates `r`, (N*d,): every pair, minimum image.
 
-    The virial W = sum over pairs of r_ij . F_ij counts pairs only, not walls. O(N^2) time, O(N) memory; asks nothing of
-    the lists.
+    force: the system. The virial W = sum over pairs of r_ij . F_ij counts pairs only, not walls. O(N^2) time, O(N)
+    memory; the lists are not used.
     """
     dimension = len(force.lengths)
     x = np.asarray(r, dtype=np.float64).reshape(-1, dimension)
@@ -304,12 +308,12 @@ def plain_forces(force: LennardJones, r: np.ndarray) -> tuple[np.ndarray, float,
 
 
 def tail_corrections(force: LennardJones) -> Tails:
-    """Energy, virial and pressure of the pairs beyond the cutoff, if they were distributed uniformly (g = 1).
+    """Energy, virial and pressure of the pairs of `force` beyond the cutoff, if they are distributed uniformly (g = 1).
 
     U = (1/2V) sum_ij int_rc^inf phi_ij(r) S r^(d-1) dr, W = -(1/2V) sum_ij int_rc^inf r phi_ij'(r) S r^(d-1) dr, with
     S = 4 pi in three dimensions and 2 pi in two, sums over all i and j; p = W/(d V). Allen & Tildesley (1987), 2.8.
-    Raises ValueError unless all axes are periodic and the truncation is "truncated": of the shifted potentials the
-    tail is not all that differs from phi.
+    Raises ValueError unless all axes are periodic and the truncation is "truncated": a shifted potential differs from
+    phi within the cutoff too.
     """
     if not all(force.neighbours.sides):
         raise ValueError("tail corrections need a periodic box: they assume a uniform fluid beyond the cutoff")
@@ -330,7 +334,9 @@ def tail_corrections(force: LennardJones) -> Tails:
 
 
 @njit(cache=True, error_model="numpy")
-def _copy_parameters_to_slots(lists, species, species_epsilon, species_sigma, slot_size, slot_strength):  # type: ignore[no-untyped-def]
+def _copy_parameters_to_slots(  # type: ignore[no-untyped-def]
+    lists, species, species_epsilon, species_sigma, slot_size, slot_strength
+):
     """Parameters of the particles to their slots, after these have changed."""
     number = len(species)
     size = np.empty(number)
@@ -346,7 +352,7 @@ def _copy_parameters_to_slots(lists, species, species_epsilon, species_sigma, sl
 def _lists_are_valid(  # type: ignore[no-untyped-def]
     lists, counters, walls, lengths, species, species_epsilon, species_sigma, slot_size, slot_strength, r
 ):
-    """True when the lists are valid for `r`; otherwise their state says why not."""
+    """Brings the lists up to date for `r`; False, with the reason in their bookkeeping, if that cannot be done."""
     # numba prunes a test for None only if it stands alone.
     if walls is not None:  # noqa: SIM102
         if not between_walls(lists.sides, lengths, r):

@@ -25,9 +25,9 @@ RADIUS, CENTRE_A, CENTRE_B, AXIS_A, AXIS_B, ANGULAR_VELOCITY, CYLINDER_LAW = ran
 #: Places of the numbers in the bookkeeping of a list: outcome of the last evaluation; 1 when the list is good for the
 #: positions `built`; pairs in it; lists made so far; pairs for which there was no room.
 STATUS, LISTED, PAIRS, BUILDS, NEEDED = range(5)
-#: Stretches along the normal below this share of Coulomb's limit are left as they are, as in LAMMPS.
+#: A stretch whose spring force along the normal is below this share of Coulomb's limit is not rotated, as in LAMMPS.
 _SLIGHT = 1e-10
-#: Coulomb coefficient that stands for none: no force of a contact reaches it.
+#: Coulomb coefficient that stands for no limit: no force of a contact reaches it.
 NO_LIMIT = 1e100
 
 
@@ -58,13 +58,13 @@ def _damping(coefficient: float, law: Any, model: ContactModel, mass: float, sca
 
 @internal
 def _normal_force(law: Any, model: ContactModel, delta: float, approach: float, mass: float, scale: float) -> float:
-    """Of the overlap delta and the normal velocity `approach`, negative when the grains come nearer."""
+    """For the overlap delta and the normal velocity `approach`, which is negative when the grains come nearer."""
     return law[STIFFNESS] * scale * delta - _damping(law[DAMPING], law, model, mass, scale) * approach
 
 
 @internal
 def _tangential_force(law, model, mass, scale, normal, n, u, stretch, elapsed, f):  # type: ignore[no-untyped-def]
-    """Of the slip u, to f, all (3,); `stretch` (3,) is brought forward by the time `elapsed`."""
+    """Writes the force at the slip u to f, both (3,), after `stretch` (3,) has grown over the time `elapsed`."""
     limit = law[FRICTION] * abs(normal)
     damping = _damping(law[TANGENTIAL_DAMPING], law, model, mass, scale)
     if not model.history:
@@ -277,7 +277,7 @@ def _make_list(force, r):  # type: ignore[no-untyped-def]
             old += 1
     found = _find_pairs(force, r)
     if found > len(pairs):
-        # what touches is all that the next attempt has to know
+        # the pairs that touch, with their stretches, are kept for the next attempt with larger arrays
         for old in range(held):
             pairs[old, 0], pairs[old, 1] = ends[old, 0], ends[old, 1]
             _restore_stretch(force, old, kept, old)
@@ -362,7 +362,9 @@ def _pairs(force, inverse_inertias, elapsed, r, v, a):  # type: ignore[no-untype
 
 
 @internal
-def _on_wall(force, inverse_inertias, law, stretches, elapsed, i, delta, vectors, v, a, on_wall):  # type: ignore[no-untyped-def]
+def _on_wall(  # type: ignore[no-untyped-def]
+    force, inverse_inertias, law, stretches, elapsed, i, delta, vectors, v, a, on_wall
+):
     """Adds the acceleration of grain i by a wall to `a` and the force on the wall to `on_wall`.
 
     law: the wall's row of numbers. stretches: (N, 3) of this wall. vectors: n towards the grain and g set, u, w, f for

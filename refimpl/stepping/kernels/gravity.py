@@ -6,9 +6,9 @@ read that one for the physics. What makes this one fast:
 * one array per coordinate, so that a row of pairs (i; j < i) is contiguous in memory;
 * `error_model="numpy"` (a division that may raise cannot be vectorised) and leave to reorder sums. Square
   root and division stay correctly rounded;
-* arrays that start a little more than a multiple of 4096 bytes apart: the processor first compares the
-  addresses of loads with those of earlier stores modulo 4096, and waits for stores that do not concern it
-  (a third of the speed at N = 1024).
+* arrays that start a little more than a multiple of 4096 bytes apart: the processor compares the addresses
+  of loads with those of earlier stores modulo 4096 first, and would wait for unrelated stores (a third of
+  the speed at N = 1024).
 
 The order of the sums depends on the vector length of the machine: results are the same bit for bit on one
 machine, and to round-off between machines.

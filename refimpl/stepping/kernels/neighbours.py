@@ -1,16 +1,17 @@
 """Verlet lists of particles within a radius of each other, from cells and periodic images, rebuilt by displacement.
 
 A list of the pairs closer than cutoff + skin when it was made holds every pair closer than the cutoff until two
-particles together have moved by the skin (Verlet 1967). There are two such lists: a wide one, dear to build and seldom
-built, and a close one with a quarter of its skin, picked from the wide one, that the force kernels run through (dual
-lists, Pall et al. 2020). `update` renews each as soon as twice the largest displacement could exceed what it allows.
+particles together have moved by the skin (Verlet 1967). There are two such lists: a wide one, costly to build and
+seldom built, and a close one with a quarter of its skin, picked from the wide one, that the force kernels run through
+(dual lists, Pall et al. 2020). `update` renews each as soon as twice the largest displacement could exceed what it
+allows.
 
 Particles are sorted along a snaking path through columns of cells; the place of a particle in that order is its
 *slot*. Eight consecutive slots form a *tile*: a compact group that shares one list of neighbours, the union of the
 lists of its members, so that a force kernel takes one neighbour against eight particles at a time in the lanes of a
 vector (cluster lists, Pall & Hess 2013). The list is full: each pair is found from both of its sides, and no force is
 scattered. Images of the columns next to a periodic face follow the particles as further slots, at positions shifted by
-the box side, so that no kernel knows of boundary conditions. Cells cost O(N) (Yao, Wang, Liu & Cheng 2004).
+the box side, so that no force kernel needs boundary conditions. Cells cost O(N) (Yao, Wang, Liu & Cheng 2004).
 
 Literature: L. Verlet, Phys. Rev. 159, 98 (1967); M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids
 (1987), sections 5.3.1-5.3.2; Z. Yao, J.-S. Wang, G.-R. Liu and M. Cheng, Comput. Phys. Commun. 161, 27 (2004);
@@ -56,7 +57,7 @@ class Neighbours(NamedTuple):
     """Verlet lists of N particles in d = 2 or 3 dimensions, and the arrays that they are made from.
 
     sides: box side of each periodic axis, 0 for an open axis. cutoff, skin: the wide lists reach cutoff + skin.
-    order: (N,) particle in each slot. offset: (N*d,) what wrapping into the box took from each slot's coordinates.
+    order: (N,) particle in each slot. offset: (N*d,) what wrapping into the box subtracted from the coordinates.
     built, pruned: (N*d,) wrapped coordinates of the slots when the wide and the close lists were made.
     packed: coordinates of every slot, tile members first and images after, in records of 4 (3D) or 2 (2D).
     tiles: coordinates of the tiles, WIDTH x, then WIDTH y, then WIDTH z each.
@@ -128,7 +129,7 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
             f"periodic box sides must be at least cutoff + skin = {reach}, got {tuple(sides)}: reduce the skin"
         )
     tiles = -(-number // WIDTH)
-    # A guess for a uniform fluid: `enlarge` mends it where particles cluster.
+    # An estimate for a uniform fluid; where particles cluster, `enlarge_neighbours` enlarges the arrays.
     span = [side if side > 0 else number ** (1 / dimension) * cutoff / 2 for side in sides]
     density = number / prod(span)
     width = (WIDTH / density) ** (1 / dimension)
@@ -406,7 +407,7 @@ def _imaged(grid: _Grid, shift_c: int) -> tuple[int, int]:
 
 @inline_internal
 def _offset(x: float, side: float) -> float:
-    """What wrapping takes from a coordinate: a whole number of box sides."""
+    """What wrapping into the box subtracts from a coordinate: a whole number of box sides."""
     return side * np.floor(x / side) if side > 0 else 0.0
 
 
@@ -464,7 +465,7 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
 
 @internal
 def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
-    """Which slots are imaged, where to and by how much; False if the arrays are too small."""
+    """Lists which slots have images, their places and displacements; False if the arrays are too small."""
     sides, start, bookkeeping = neighbours.sides, neighbours.start, neighbours.bookkeeping
     image_offset, blocks, block_shift = neighbours.image_offset, neighbours.blocks, neighbours.block_shift
     dimension = len(sides)

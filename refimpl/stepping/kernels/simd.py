@@ -5,9 +5,9 @@ AVX registers, four SSE2 or NEON ones): slower there, never wrong. Multiplicatio
 flag, so that they fuse into one instruction with a single rounding where the processor has one; nothing else is
 relaxed, and division and square root are exact to half a unit in the last place.
 
-The loads and stores test no bounds and no negative index: the caller answers for both. Everything is a module-level
-function without compiled code of its own, so that kernels which use it are found in numba's cache by every process. (A
-change of this file does not make those caches stale: touch the kernels' files too.)
+Loads and stores do not check bounds, and do not know negative indices: the caller must see to both. Everything is a
+module-level function without compiled code of its own, so that kernels which use it are found in numba's cache by every
+process. (A change of this file does not make those caches stale: touch the kernels' files too.)
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ _register_operator(operator.eq, vector, mask, lambda build, a, b: build.fcmp_ord
 
 
 def _intrinsic(function: Callable[..., Any]) -> Any:
-    """`numba.extending.intrinsic`, of which type checkers believe that it takes the typing context too."""
+    """`numba.extending.intrinsic`, untyped: its callers do not pass the typing context that the function takes."""
     return intrinsic(function)
 
 
