@@ -732,8 +732,8 @@ CHECKS = (
                 Fault(
                     "wake-by-queue",
                     "events/kernels/loop.py",
-                    "if asleep < rows.shape[0]:",
-                    "if asleep < 0:",
+                    "if unpredicted < rows.shape[0]:",
+                    "if unpredicted < 0:",
                     "the queue is asked who wakes next: all N wait in one bucket",
                 ),
             ),

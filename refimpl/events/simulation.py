@@ -147,7 +147,7 @@ class Simulation:
     def _collect_trace(self) -> None:
         if self._trace is not None:
             length = int(self._trace.filled[0])
-            for time, (one, other) in zip(self._trace.time[:length], self._trace.who[:length].tolist(), strict=True):
+            for time, (one, other) in zip(self._trace.time[:length], self._trace.pairs[:length].tolist(), strict=True):
                 self._traced.append((math.fsum((*self._base, time)), one, other))
             self._trace.filled[0] = 0
 
@@ -222,7 +222,7 @@ class Simulation:
     def _repredict_all(self) -> None:
         """Marks all particles for a prediction of all their events at the current time."""
         self._instant = self._shortest_time()
-        self._progress[loop.ASLEEP] = 0
+        self._progress[loop.UNPREDICTED] = 0
         mobile = np.full(self.number, True) if self.model.inverse_masses is None else self.model.inverse_masses > 0
         particles = self._particles
         self._rows[:, schedule.NEXT] = NEVER

@@ -1,4 +1,4 @@
-"""What is written for the machine: compiled code that `refimpl.events.simulation` calls, and nobody else.
+"""What is written for the machine: compiled code for `refimpl.events.simulation` only.
 
 The readable form stands beside this folder: `naive` is the algorithm, and `prediction` and `rules` are its closed
 forms, which the kernels call too. Tests compare the events of both, one by one.

@@ -88,8 +88,8 @@ WALL, CYLINDER, REPREDICT = 8, 16, 17
 COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
 #: More cells than this do not fit into the first two caches.
 MANY = 1 << 14
-#: Entries of `progress`; ASLEEP: the first particle whose events have not been predicted yet.
-PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND, ASLEEP = range(7)
+#: Entries of `progress`; UNPREDICTED: the first particle whose events have not been predicted yet.
+PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND, UNPREDICTED = range(7)
 
 
 class Grid(NamedTuple):
@@ -123,10 +123,10 @@ class Particles(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """Changes of state in order: time (length,), who (length, 2): the partner, or -1 - face; filled: (1,)."""
+    """Changes of state in order: time (length,), pairs (length, 2): i, and j or -1 - face; filled: (1,)."""
 
     time: Any
-    who: Any
+    pairs: Any
     filled: Any
 
 
@@ -543,7 +543,7 @@ def _hit_wall(
 def _append_to_trace(trace: Any, now: float, i: int, j: int) -> None:
     if trace is not None:
         place = trace.filled[0]
-        trace.time[place], trace.who[place, 0], trace.who[place, 1] = now, i, j
+        trace.time[place], trace.pairs[place, 0], trace.pairs[place, 1] = now, i, j
         trace.filled[0] = place + 1
 
 
@@ -565,14 +565,14 @@ def advance(
     rows, ints, own = particles.rows, particles.ints, particles.own
     now, status = clock, REACHED
     pairs, events, changes = progress[PAIRS], progress[EVENTS], progress[CHANGES]
-    interactions, asleep = progress[INTERACTIONS], progress[ASLEEP]
+    interactions, unpredicted = progress[INTERACTIONS], progress[UNPREDICTED]
     while True:
         # at the start all are due at one time, and the calendar would compare all of these for each of them
-        if asleep < rows.shape[0]:
-            if is_fixed(model.inverse_masses, asleep):
-                asleep += 1
+        if unpredicted < rows.shape[0]:
+            if is_fixed(model.inverse_masses, unpredicted):
+                unpredicted += 1
                 continue
-            i = asleep
+            i = unpredicted
         else:
             i = first(queue, counts)
         prefetch_entry(queue, i)
@@ -604,7 +604,7 @@ def advance(
                 else:
                     status = CELL_FULL
             elif ints[i, OWN] == REPREDICT:
-                asleep += 1
+                unpredicted += 1
             else:
                 interactions += 1
                 tick(counts, WALL_EVENTS, 1)
@@ -651,5 +651,5 @@ def advance(
             update(queue, counts, one, min(rows[one, NEXT], own[one]))
             one, j = j, np.int64(-1)
     progress[PAIRS], progress[EVENTS], progress[CHANGES] = pairs, events, changes
-    progress[INTERACTIONS], progress[ASLEEP] = interactions, asleep
+    progress[INTERACTIONS], progress[UNPREDICTED] = interactions, unpredicted
     return status, now
