@@ -13,6 +13,7 @@ from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
     NEEDS_CAPACITY,
+    Force,
     accelerate,
     energy_and_virial,
     enlarge,
@@ -22,7 +23,7 @@ from refimpl.stepping.forces.generic import (
 from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
 
 
-def step(self: Any, force: Any, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
+def step(self: Any, force: Force, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
     """`self.step(force, r, v, memory, dt)` of a scheme, callable from kernels; arguments as in `schemes`."""
     state: StepResult = self.step(force, r, v, memory, dt)
     return state
@@ -63,7 +64,7 @@ def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # t
     return (r, v, memory), last, GOOD
 
 
-def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Any]:
+def acceleration(force: Force, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Force]:
     """f(r, v)/m at the coordinates r and velocities v, (N*d,) each, and the force, enlarged if it had to be."""
     while True:
         a = accelerate(force, r, v)
@@ -72,12 +73,12 @@ def acceleration(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, 
         force = enlarge(force)
 
 
-def thermo_now(force: Any, r: np.ndarray, v: np.ndarray) -> tuple[float, float, float]:
+def thermo_now(force: Force, r: np.ndarray, v: np.ndarray) -> tuple[float, float, float]:
     """Kinetic energy, potential energy and virial of a force at the coordinates r and velocities v, (N*d,) each."""
     return kinetic_energy(force, v), *energy_and_virial(force, r)
 
 
-def _enlarged(force: Any, r: np.ndarray, v: np.ndarray, outcome: int) -> Any | None:
+def _enlarged(force: Force, r: np.ndarray, v: np.ndarray, outcome: int) -> Force | None:
     """The force with room for what it failed at from (r, v); None if it diverged.
 
     Of two evaluations in one start or step only the status of the last is known, and DIVERGED may come from the NaN of
@@ -106,10 +107,10 @@ class Integration:
     velocities: np.ndarray | None
     thermo: np.ndarray | None
     evaluations: int
-    force: Any
+    force: Force
 
 
-def compile_steps(scheme: str, force: Any, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
+def compile_steps(scheme: str, force: Force, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
     """Compiles, or loads from the cache, the loop that `integrate` runs with these arguments; takes no step.
 
     scheme, force, r, v, dt, thermo: as of `integrate`. Raises KeyError for an unknown scheme.
@@ -122,7 +123,7 @@ def compile_steps(scheme: str, force: Any, r: np.ndarray, v: np.ndarray, dt: flo
 
 def integrate(
     scheme: str,
-    force: Any,
+    force: Force,
     r: np.ndarray,
     v: np.ndarray,
     dt: float,

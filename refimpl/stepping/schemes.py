@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import register_jitable
 
-from refimpl.stepping.forces.generic import accelerate, derivatives
+from refimpl.stepping.forces.generic import Force, accelerate, derivatives
 
 Array = np.ndarray
 Memory = tuple[Array, ...]
@@ -37,10 +37,10 @@ StepResult = tuple[Array, Array, Memory]
 class Euler(NamedTuple):
     """r + dt v + dt^2 a/2; v + dt a, with a = f(r, v)/m at the old time."""
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return ()
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a = accelerate(force, r, v)
         return r + dt * v + 0.5 * dt**2 * a, v + dt * a, memory
 
@@ -48,10 +48,10 @@ class Euler(NamedTuple):
 class ModifiedEuler(NamedTuple):
     """v' = v + dt a; r + dt v' + dt^2 a/2: counts the acceleration in r three times over, hence artificial damping."""
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return ()
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a = accelerate(force, r, v)
         v = v + dt * a
         return r + dt * v + 0.5 * dt**2 * a, v, memory
@@ -60,10 +60,10 @@ class ModifiedEuler(NamedTuple):
 class SymplecticEuler(NamedTuple):
     """v' = v + dt a; r + dt v': the usual semi-implicit Euler."""
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return ()
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         v = v + dt * accelerate(force, r, v)
         return r + dt * v, v, memory
 
@@ -71,16 +71,16 @@ class SymplecticEuler(NamedTuple):
 class Verlet(NamedTuple):
     """r(t+dt) = 2 r(t) - r(t-dt) + dt^2 a(t); v(t) = (r(t+dt) - r(t-dt))/2dt.
 
-    The velocity needs the positions one step ahead: they are the memory. A velocity-dependent force sees the backward
+    The velocity needs the positions one step ahead: they are the memory. A velocity-dependent force gets the backward
     difference (r(t) - r(t-dt))/dt, the only velocity known when it is evaluated.
     """
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         a = accelerate(force, r, v)
         r_before = r - dt * v + 0.5 * dt**2 * a
         return (2.0 * r - r_before + dt**2 * a,)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         r_now = memory[0]
         a = accelerate(force, r_now, (r_now - r) / dt)
         r_ahead = 2.0 * r_now - r + dt**2 * a
@@ -90,13 +90,13 @@ class Verlet(NamedTuple):
 class LeapFrog(NamedTuple):
     """v(t+dt/2) = v(t-dt/2) + dt a(t); r(t+dt) = r(t) + dt v(t+dt/2); v(t) is the mean of the two half-step values.
 
-    The memory is the half-step velocity ahead; a velocity-dependent force sees the one behind.
+    The memory is the half-step velocity ahead; a velocity-dependent force gets the one behind.
     """
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return (v + 0.5 * dt * accelerate(force, r, v),)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         v_behind = memory[0]
         r = r + dt * v_behind
         v_ahead = v_behind + dt * accelerate(force, r, v_behind)
@@ -106,13 +106,13 @@ class LeapFrog(NamedTuple):
 class VelocityVerlet(NamedTuple):
     """v(t+dt/2) = v + dt a/2; r + dt v(t+dt/2); v(t+dt) = v(t+dt/2) + dt a(t+dt)/2.
 
-    The memory is the acceleration. A velocity-dependent force sees the half-step velocity, as in LAMMPS.
+    The memory is the acceleration. A velocity-dependent force gets the half-step velocity, as in LAMMPS.
     """
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return (accelerate(force, r, v),)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         v_half = v + 0.5 * dt * memory[0]
         r = r + dt * v_half
         a = accelerate(force, r, v_half)
@@ -120,7 +120,7 @@ class VelocityVerlet(NamedTuple):
 
 
 @register_jitable
-def _accelerations_now_and_before(force: Any, r: Array, v: Array, dt: float) -> Memory:
+def _accelerations_now_and_before(force: Force, r: Array, v: Array, dt: float) -> Memory:
     """a(0) and a(-dt), the latter from an Euler step backwards: the start of the Beeman schemes."""
     a = accelerate(force, r, v)
     return a, accelerate(force, r - dt * v + 0.5 * dt**2 * a, v - dt * a)
@@ -129,13 +129,13 @@ def _accelerations_now_and_before(force: Any, r: Array, v: Array, dt: float) -> 
 class Beeman(NamedTuple):
     """r + dt v + dt^2 (4 a(t) - a(t-dt))/6; v + dt (2 a(t+dt) + 5 a(t) - a(t-dt))/6.
 
-    A velocity-dependent force sees the velocity of the step before.
+    A velocity-dependent force gets the velocity of the step before.
     """
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return _accelerations_now_and_before(force, r, v, dt)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a, a_before = memory
         r = r + dt * v + dt**2 / 6.0 * (4.0 * a - a_before)
         a_new = accelerate(force, r, v)
@@ -145,10 +145,10 @@ class Beeman(NamedTuple):
 class BeemanPredictorCorrector(NamedTuple):
     """Beeman, with the velocity-dependent force at the predicted velocity v + dt (3 a(t) - a(t-dt))/2."""
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return _accelerations_now_and_before(force, r, v, dt)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a, a_before = memory
         r = r + dt * v + dt**2 / 6.0 * (4.0 * a - a_before)
         v_predicted = v + 0.5 * dt * (3.0 * a - a_before)
@@ -159,10 +159,10 @@ class BeemanPredictorCorrector(NamedTuple):
 class EulerPredictorCorrector(NamedTuple):
     """Predicts r + dt v and v + dt a, evaluates a' there, corrects: v' = v + dt a'; r + dt v'. Not Heun's method."""
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return ()
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         a = accelerate(force, r, v)
         v_new = v + dt * accelerate(force, r + dt * v, v + dt * a)
         return r + dt * v_new, v_new, memory
@@ -174,13 +174,13 @@ class Gear(NamedTuple):
     Predict R by Taylor's series (Pascal's triangle), evaluate a at the prediction, correct
     R_q += alpha_q (a dt^2/2 - R_2). The memory is R_0, R_1, ... as one array, shape (order + 1, N*d).
 
-    corrector: alpha_0 ... alpha_order. analytic_start: higher derivatives from the force if it knows them, else zero.
+    corrector: alpha_0 ... alpha_order. analytic_start: higher derivatives from the force, which may be zero.
     """
 
     corrector: Array
     analytic_start: bool
 
-    def start(self, force: Any, r: Array, v: Array, dt: float) -> Memory:
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         size = self.corrector.size
         scaled = np.zeros((size, r.size))
         scaled[0] = r
@@ -194,7 +194,7 @@ class Gear(NamedTuple):
                 scaled[q] = factor * higher[q - 3]
         return (scaled,)
 
-    def step(self, force: Any, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
         size = self.corrector.size
         scaled = memory[0].copy()
         for lowest in range(size - 1):
@@ -216,7 +216,7 @@ class Scheme:
     practical_limit: largest omega dt for which its amplitude grows by less than 1 % a step.
     evaluations, start_evaluations: of the force, per step and at the start.
     symplectic, reversible: of the map from the initial to the final (r, v), start procedure included.
-    start, velocity_forces: what is done at the start, and what velocity a velocity-dependent force sees.
+    start, velocity_forces: what is done at the start, and what velocity a velocity-dependent force gets.
     """
 
     record: Any

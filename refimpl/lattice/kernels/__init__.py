@@ -1,4 +1,4 @@
-"""What is written for the machine: compiled code that `refimpl.lattice.bitplanes` calls, and nobody else.
+"""What is written for the machine: compiled code for `refimpl.lattice.bitplanes` only.
 
 The readable form stands beside this folder; tests compare all three bit for bit.
 

@@ -1,1 +1,1 @@
-"""Forces: one module each, every one answering the questions of `generic`."""
+"""Forces: one module each, which implements the functions of `generic` for its record."""

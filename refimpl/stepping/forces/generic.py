@@ -14,12 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numba.extending import overload
 
 Implementation = TypeVar("Implementation", bound=Callable[..., Any])
+#: A record of parameters and work arrays; what it can do is registered, so no protocol describes it.
+Force: TypeAlias = Any
 
 #: `status` values of a force, read by the step loop after every evaluation.
 GOOD = 0
@@ -63,49 +65,49 @@ def _compiled_implementation(function: Callable[..., Any], force: Any) -> Callab
 
 
 @_dispatched
-def accelerate(force: Any, r: np.ndarray, v: np.ndarray) -> np.ndarray:
+def accelerate(force: Force, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Acceleration f(r, v)/m of every coordinate, shape (N*d,)."""
     raise NotImplementedError("this force has no acceleration")
 
 
 @_dispatched
-def potential_energy(force: Any, r: np.ndarray) -> float:
+def potential_energy(force: Force, r: np.ndarray) -> float:
     """Total potential energy U(r)."""
     raise NotImplementedError("this force has no potential energy")
 
 
 @_dispatched
-def kinetic_energy(force: Any, v: np.ndarray) -> float:
+def kinetic_energy(force: Force, v: np.ndarray) -> float:
     """Total kinetic energy K = sum m v^2 / 2, with the masses that the force holds."""
     raise NotImplementedError("this force holds no masses")
 
 
 @_dispatched
-def virial(force: Any, r: np.ndarray) -> float:
+def virial(force: Force, r: np.ndarray) -> float:
     """Virial W = sum over pairs of r_ij . F_ij; the pressure is (2 K + W)/(d V)."""
     raise NotImplementedError("this force has no virial")
 
 
 @_dispatched
-def energy_and_virial(force: Any, r: np.ndarray) -> tuple[float, float]:
+def energy_and_virial(force: Force, r: np.ndarray) -> tuple[float, float]:
     """U(r) and W(r) together; a force that finds both in one pass over its pairs implements this itself."""
     return potential_energy(force, r), virial(force, r)
 
 
 @_dispatched
-def derivatives(force: Any, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
+def derivatives(force: Force, r: np.ndarray, v: np.ndarray, count: int) -> np.ndarray:
     """The first `count` time derivatives r_3, r_4, ... of the coordinates, shape (count, N*d); by default zeros."""
     return np.zeros((count, r.size))
 
 
 @_dispatched
-def status(force: Any) -> int:
+def status(force: Force) -> int:
     """GOOD, NEEDS_CAPACITY or DIVERGED: the outcome of the last evaluation."""
     return GOOD
 
 
 @_dispatched
-def enlarge(force: Any) -> Any:
+def enlarge(force: Force) -> Force:
     """The same force with larger work arrays, after `status` was NEEDS_CAPACITY. Called from Python only."""
     raise NotImplementedError("this force has no work arrays")
 

@@ -1,4 +1,4 @@
-"""What is written for the machine: compiled code that the forces of `refimpl.stepping.forces` call, and nobody else.
+"""What is written for the machine: compiled code for `refimpl.stepping.forces` only.
 
 The readable form stands beside this folder, in the module of the force; tests compare the two.
 
