@@ -47,7 +47,7 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     )
     routes = statistical(
         "(Z - 1) from impulses over that from the collision rate",
-        1 + difference.value / counted.mean(),
+        1 + difference.value / float(counted.mean()),
         difference.error / float(counted.mean()),
         1.0,
         0.0,

@@ -244,7 +244,7 @@ def _judge_finite(laboratory: Laboratory, dimension: int) -> Judged:
 
 # -- points among themselves -------------------------------------------------------------------------------------------
 
-#: Number of pairs, half the distance of two points at the start, spacing of the pairs.
+#: Number of pairs, distance of the two points at the start, spacing of the pairs.
 HEAD_ON, APART, BESIDE = 64, 3.4, 10.0
 
 
