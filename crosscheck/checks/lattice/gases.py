@@ -1,8 +1,11 @@
 """Scenes of lattice gases, and what the checks of this folder share.
 
-Units: links and steps; d is the mean occupation of a channel. Expectations come from `crosscheck.references`; what is
-taken of `refimpl.lattice.theory` here and in `waves` prepares a run: where it starts, how long it lasts, where a fit
-begins.
+Units: links and steps; d is the mean occupation of a channel.
+
+Expectations come from `crosscheck.references`. The theory of `refimpl.lattice` prepares runs (starting states, lengths,
+where a fit begins) and stands in two measured numbers, whose last digits would change otherwise: the slope by which
+`green_kubo.first_step` removes scatter, and H of Fermi-Dirac in the H theorem of ensembles. Tests compare both with the
+references.
 """
 
 from __future__ import annotations

@@ -73,7 +73,7 @@ def first_step(name: str, found: Fluctuations, weights: Floats, label: str) -> J
 
     weights: the moment (b,), one that relaxes with the rate of the shear stress.
     """
-    # C(1) - slope C(0): the scatter of C(0) itself drops out, whatever the slope, for its mean is known to be 1
+    # C(1) - slope (C(0) - 1): a slope near C(1) removes the scatter of C(0); any slope leaves the mean as it is
     slope = 1 - theory.relaxation_rate(models.MODELS[name], found.density, weights)
     difference, u = independent_mean(found.first[:, 1] - slope * found.first[:, 0])
     return statistical(
