@@ -139,36 +139,3 @@ def schemes_with(
 def soft(**contact: Any) -> Method:
     """Hard spheres as soft ones, with these entries of a `Contact`."""
     return Method(scheme="velocity_verlet", contact=Contact(**contact))
-
-
-# -- to be removed once every check declares its needs and variants ------------------------------------------
-
-
-def legacy_check(*, variants: Any, engines: tuple[str, ...] = ("refimpl",), tier: Tier = "quick", **rest: Any) -> Check:
-    def offered(schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
-        for name in engines:
-            if engine_class(name).schemes == schemes:
-                return tuple(Variant(one, one, tier) for one in variants(name, schemes))
-        return ()
-
-    return Check(variants=offered, needs=(), **rest)
-
-
-def reference_check(
-    name: str, title: str, equation: str, criterion: str, citation: str, judge: Any, variants: Any, faults: Any,
-    tier: Tier = "full",
-) -> Check:  # fmt: skip
-    return legacy_check(
-        name=name, title=title, equation=equation, criterion=criterion, citation=citation, judge=judge,
-        variants=fixed(*variants), faults=faults, tier=tier,
-    )  # fmt: skip
-
-
-def fixed(*names: str) -> Any:
-    return lambda engine, schemes: names
-
-
-def legacy_schemes_with(accept: Any = lambda name, claims: True) -> Any:
-    return lambda engine, schemes: tuple(
-        name for name, claims in schemes.items() if claims.kind == "stepping" and accept(name, claims)
-    )
