@@ -140,6 +140,10 @@ def _from_schema_1(line: Line) -> Line:
             u = math.hypot(judgement["uncertainty"] or 0.0, judgement["expected_uncertainty"] or 0.0)
             judgement["deviation"] = sigmas * u / criterion["tolerance"] if criterion["tolerance"] else 0.0
         criterion = {**criterion, "sense": _sense_1(old["outcome"], judgement, criterion["kind"])}
+        limit, value = judgement["expected"], judgement["measured"]
+        if criterion["sense"] != "both":  # schema 1 gave the limit itself for some bounds
+            far = None if value is None or limit is None else abs(limit - value)
+            judgement["sensitivity"] = far / abs(limit) if far is not None and limit else far
         judgements = [
             {
                 **judgement,

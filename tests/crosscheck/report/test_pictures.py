@@ -32,7 +32,7 @@ def line(content, check="group/check/a", engine="refimpl", title="picture"):
 
 
 def variant(one):
-    return one["check"].rpartition("/")[2]
+    return one["variant"]
 
 
 def draw(content):
