@@ -162,7 +162,9 @@ def verdicts() -> list[Verdict]:
         "energy of the two bodies against the time since the start", "t / period", "(E - E₀)/|E₀|", series=(energy,)
     )
     made += [
-        _verdict("events/energy", "disks", "refimpl", round_off("energy change", 3.2e-14, 1e-12, "few", figures=(drift,))),
+        _verdict(
+            "events/energy", "disks", "refimpl", round_off("energy change", 3.2e-14, 1e-12, "few", figures=(drift,))
+        ),
         _verdict("events/energy", "<script>", "refimpl", round_off("energy", 2e-3, 1e-12, HOSTILE, note=HOSTILE)),
         _verdict("events/gas", "elastic", "refimpl", round_off("energy change", 1e-15, 1e-12, "few", figures=_gas())),
         _verdict("events/gone", "old", "refimpl", round_off("energy change", math.nan, 1e-12, "rounding")),
