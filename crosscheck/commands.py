@@ -26,7 +26,7 @@ from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
-from crosscheck.record import FILE, Line, Record, case_name, finished, provenance, read, shown
+from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read, shown
 from crosscheck.verdict import Verdict
 
 _COLOURS = {
@@ -237,7 +237,6 @@ def run(
 
 def _print_table(console: Console, lines: list[Line]) -> None:
     from crosscheck.report import numbers
-    from crosscheck.report.junit import deciding
 
     table = Table(box=None, pad_edge=False)
     for title in ("check", "engine"):

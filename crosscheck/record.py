@@ -111,6 +111,15 @@ def shown(line: Line) -> dict[str, Any] | None:
     return None if line["worst"] is None else dict(line["judgements"][line["worst"]])
 
 
+def deciding(line: Line) -> list[dict[str, Any]]:
+    """The judgements with the outcome of the verdict, the worst one first; none after a skip or an error."""
+    first = shown(line)
+    if first is None:
+        return []
+    rest = [one for number, one in enumerate(line["judgements"]) if number != line["worst"]]
+    return [first, *(one for one in rest if one["outcome"] == line["outcome"])]
+
+
 def finished(lines: Iterable[Line]) -> set[tuple[str, str]]:
     """(name, engine) of the verdicts that need no second run: all but errors."""
     return {(case_name(line), line["engine"]) for line in lines if line["outcome"] != "error"}

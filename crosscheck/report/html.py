@@ -19,9 +19,8 @@ from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.engines.registry import engine_names, engine_order
 from crosscheck.errors import UsageError
-from crosscheck.record import Line, case_name, read, shown
+from crosscheck.record import Line, case_name, deciding, read, shown
 from crosscheck.report import figures, numbers, pictures
-from crosscheck.report.junit import deciding
 from crosscheck.runner import select
 from crosscheck.verdict import SENSITIVITY
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from crosscheck.record import Line, shown
+from crosscheck.record import Line, deciding
 from crosscheck.report.numbers import deviation, expected, measured
 
 #: Characters that XML 1.0 cannot hold, escaped or not.
@@ -56,15 +56,6 @@ def _case(line: Line) -> ET.Element:
     elif outcome == "inconclusive":
         ET.SubElement(case, "skipped", message=_clean(f"inconclusive: {_comparison(deciding(line)[0])}"))
     return case
-
-
-def deciding(line: Line) -> list[dict[str, Any]]:
-    """The judgements with the outcome of the verdict, the worst one first; none after a skip or an error."""
-    first = shown(line)
-    if first is None:
-        return []
-    rest = [one for number, one in enumerate(line["judgements"]) if number != line["worst"]]
-    return [first, *(one for one in rest if one["outcome"] == line["outcome"])]
 
 
 def _comparison(judgement: dict[str, Any]) -> str:
