@@ -13,7 +13,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -27,7 +26,7 @@ from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
-from crosscheck.record import FILE, Line, Record, case_name, finished, provenance, read, shown
+from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read, shown
 from crosscheck.verdict import Verdict
 
 _COLOURS = {
@@ -233,31 +232,24 @@ def run(
 
 
 def _print_table(console: Console, lines: list[Line]) -> None:
+    from crosscheck.report import numbers
+
     table = Table(box=None, pad_edge=False)
     for title in ("check", "engine"):
         table.add_column(title, overflow="fold")
-    for title in ("measured +- u", "expected", "deviation", "sensitivity", "cost"):
+    for title in ("measured", "expected", "deviation", "sensitivity", "cost"):
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     order = {outcome: rank for rank, outcome in enumerate(("pass", "skip", "inconclusive", "error", "fail"))}
     for line in sorted(lines, key=lambda item: (order[item["outcome"]], case_name(item), item["engine"])):
         found = shown(line)
-        numbers = (
-            ["", "", "", ""]
-            if found is None
-            else [
-                _measured(found),
-                "" if found["expected"] is None else f"{found['expected']:.5g}",
-                _deviation(found),
-                "" if found["sensitivity"] is None else f"{found['sensitivity']:.1e}",
-            ]
-        )
+        values = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
         outcome = line["outcome"]
         table.add_row(
             case_name(line),
             line["engine"],
-            *numbers,
-            f"{line['cost']['seconds']:.2f} s",
+            *("" if found is None else value(found) for value in values),
+            numbers.seconds(line["cost"].get("seconds")),
             f"[{_COLOURS[outcome]}]{outcome}[/]",
         )
     console.print(table)
@@ -266,20 +258,9 @@ def _print_table(console: Console, lines: list[Line]) -> None:
         console.print(f"skipped {count}: {reason}", style="dim", highlight=False, markup=False, soft_wrap=True)
     for line in lines:
         if line["outcome"] in ("fail", "error"):
-            found = shown(line) or {"quantity": ""}
-            text = f"{case_name(line)} [{line['engine']}]: {line['message'] or line['note'] or found['quantity']}"
+            parts = [*(one["quantity"] for one in deciding(line)), line["note"], line["message"]]
+            text = f"{case_name(line)} [{line['engine']}]: {'; '.join(filter(None, parts))}"
             console.print(text, style=_COLOURS[line["outcome"]], highlight=False, markup=False, soft_wrap=True)
-
-
-def _measured(judgement: dict[str, Any]) -> str:
-    u = "" if judgement["uncertainty"] is None else f" +- {judgement['uncertainty']:.1g}"
-    return "" if judgement["measured"] is None else f"{judgement['measured']:.5g}{u}"
-
-
-def _deviation(judgement: dict[str, Any]) -> str:
-    if judgement["sigmas"] is not None:
-        return f"{judgement['sigmas']:.2g} sigma"
-    return "" if judgement["deviation"] is None else f"{judgement['deviation']:.2g} tol"
 
 
 def report(directory: Path) -> None:

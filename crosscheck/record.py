@@ -111,6 +111,15 @@ def shown(line: Line) -> dict[str, Any] | None:
     return None if line["worst"] is None else dict(line["judgements"][line["worst"]])
 
 
+def deciding(line: Line) -> list[dict[str, Any]]:
+    """The judgements with the outcome of the verdict, the worst one first; none after a skip or an error."""
+    first = shown(line)
+    if first is None:
+        return []
+    rest = [one for number, one in enumerate(line["judgements"]) if number != line["worst"]]
+    return [first, *(one for one in rest if one["outcome"] == line["outcome"])]
+
+
 def finished(lines: Iterable[Line]) -> set[tuple[str, str]]:
     """(name, engine) of the verdicts that need no second run: all but errors."""
     return {(case_name(line), line["engine"]) for line in lines if line["outcome"] != "error"}
@@ -140,6 +149,10 @@ def _from_schema_1(line: Line) -> Line:
             u = math.hypot(judgement["uncertainty"] or 0.0, judgement["expected_uncertainty"] or 0.0)
             judgement["deviation"] = sigmas * u / criterion["tolerance"] if criterion["tolerance"] else 0.0
         criterion = {**criterion, "sense": _sense_1(old["outcome"], judgement, criterion["kind"])}
+        limit, value = judgement["expected"], judgement["measured"]
+        if criterion["sense"] != "both":  # schema 1 gave the limit itself for some bounds
+            far = None if value is None or limit is None else abs(limit - value)
+            judgement["sensitivity"] = far / abs(limit) if far is not None and limit else far
         judgements = [
             {
                 **judgement,

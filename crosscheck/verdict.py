@@ -27,6 +27,12 @@ Sense = Literal["both", "at_most", "at_least"]
 #: Probability that one statistical verdict is red although the code is right (two-sided, Student's t).
 FALSE_ALARM = 1e-4
 
+#: What the sensitivity of a judgement is: in its docstring, in docs/record.md and in the report.
+SENSITIVITY = (
+    "the smallest deviation from the expected value that would have been red, as a share of that value (absolute where "
+    "that is zero); of a bound, how far the measured value was from turning red: |limit - measured|/|limit|"
+)
+
 
 @dataclass(frozen=True)
 class Criterion:
@@ -43,10 +49,10 @@ class Judgement:
     """One measured number against what was expected of it.
 
     deviation: as a share of the tolerance, whatever the criterion: red above 1. sigmas: of a statistical judgement, the
-    deviation in standard errors. sensitivity: the smallest change of the measured value, from what was expected, that
-    would have been red; of a bound, from what was measured: |limit - measured|; relative to `expected` (absolute where
-    that is zero). control: it says that the set-up is as meant, and is shown only when it is not green. note: a remark
-    on this number.
+    deviation in standard errors. sensitivity: the smallest deviation from the expected value that would have been red,
+    as a share of that value (absolute where that is zero); of a bound, how far the measured value was from turning red:
+    |limit - measured|/|limit|. control: it says that the set-up is as meant, and is shown only when it is not green.
+    note: a remark on this number.
     """
 
     outcome: Outcome

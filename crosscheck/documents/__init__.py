@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from crosscheck.documents.record_schema import record_schema
 from crosscheck.documents.registry import checks, engines, observables, schemes
 from crosscheck.documents.scene_words import scene_schema, scene_words
 
@@ -15,6 +16,7 @@ from crosscheck.documents.scene_words import scene_schema, scene_words
 PAGES: dict[str, Callable[[], str]] = {
     "scene-words.md": scene_words,
     "scene.schema.json": scene_schema,
+    "record.schema.json": record_schema,
     "observables.md": observables,
     "engines.md": engines,
     "schemes.md": schemes,

@@ -8,6 +8,7 @@ import shlex
 from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -16,21 +17,38 @@ from markupsafe import Markup, escape
 from crosscheck import painter
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
-from crosscheck.engines.registry import engine_order
+from crosscheck.engines.registry import engine_names, engine_order
 from crosscheck.errors import UsageError
-from crosscheck.record import Line, case_name, read
+from crosscheck.record import Line, case_name, deciding, read, shown
 from crosscheck.report import figures, numbers, pictures
 from crosscheck.runner import select
+from crosscheck.verdict import SENSITIVITY
 
 FILE = "report.html"
 #: Worst first: the order of everything in the report.
 OUTCOMES = ("error", "fail", "inconclusive", "skip", "pass")
+#: Checks whose names begin so share a chapter of their own, and the colours of their curves.
 WORK_PRECISION = "performance/work-precision"
+#: How an older version ended the name of a check that is now the full tier of another.
+_OLD_FULL = "-full"
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A criterion of a section. number: in the section, from 1. cases: the verdicts that are judged by it."""
+
+    number: int
+    kind: str
+    why: str
+    cases: list[str] = field(default_factory=list)
 
 
 @dataclass
 class Section:
-    """A check with its verdicts. check: None if this version has none of that name."""
+    """A check with its verdicts. check: None if this version has none of that name.
+
+    After an older version, whose name of a check ended in "-full", it is the check without that ending.
+    """
 
     name: str
     check: Check | None
@@ -46,23 +64,46 @@ class Section:
     def worst(self) -> str:
         return min((line["outcome"] for line in self.lines), key=OUTCOMES.index)
 
-    @property
+    @cached_property
     def quantities(self) -> list[str]:
         return list(dict.fromkeys(one["quantity"] for line in self.lines for one in line["judgements"]))
 
-    @property
-    def tolerances(self) -> list[tuple[str, str, list[str]]]:
-        """(kind, why, variants) of the criteria, equal ones together."""
-        found: dict[tuple[str, str], list[str]] = defaultdict(list)
+    @cached_property
+    def _criteria(self) -> dict[tuple[str, str], Criterion]:
+        """By kind and reason; numbered in the order in which the section shows them."""
+        found: dict[tuple[str, str], Criterion] = {}
         for line in self.lines:
+            case = f"{self.variant(line)} [{line['engine']}]"
             for one in line["judgements"]:
-                key = one["criterion"]["kind"].replace("_", " "), one["criterion"]["why"]
-                found[key].append(f"{self.variant(line)} [{line['engine']}]")
-        return [(kind, why, names) for (kind, why), names in found.items()]
+                key = one["criterion"]["kind"], one["criterion"]["why"]
+                criterion = found.setdefault(key, Criterion(len(found) + 1, *key))
+                if case not in criterion.cases[-1:]:
+                    criterion.cases.append(case)
+        return found
+
+    @property
+    def criteria(self) -> list[Criterion]:
+        return list(self._criteria.values())
+
+    def criterion(self, judgement: dict[str, Any]) -> Criterion:
+        """The criterion of a judgement of this section."""
+        return self._criteria[judgement["criterion"]["kind"], judgement["criterion"]["why"]]
+
+    def criteria_of(self, judgements: list[dict[str, Any]]) -> list[Criterion]:
+        """The criteria of some judgements, each once."""
+        return list({criterion.number: criterion for criterion in map(self.criterion, judgements)}.values())
 
     def variant(self, line: Line) -> str:
         """The variant, or the check's name where there is none."""
         return str(line["variant"] or line["check"])
+
+    @property
+    def repeat(self) -> str:
+        """The command line that runs this check again; "" if this version does not have it."""
+        if self.check is None:
+            return ""
+        engines = sorted({line["engine"] for line in self.lines}, key=engine_order)
+        return _run([self.check.name], _tier(self.lines), engines, self.lines[0]["provenance"].get("seed", 0))
 
 
 def write_report(directory: Path) -> Path:
@@ -94,6 +135,10 @@ def render(lines: list[Line], title: str) -> str:
         expected=numbers.expected,
         deviation=numbers.deviation,
         sensitivity=numbers.sensitivity,
+        kind=_kind,
+        deciding=deciding,
+        remark=_remark,
+        shown=shown,
         seconds=numbers.seconds,
         number=numbers.count,
         equation=_equation,
@@ -119,7 +164,9 @@ def render(lines: list[Line], title: str) -> str:
         contents=_by_group(others),
         origins=_origins(lines),
         command=_command(lines, sections),
-        repeat=_repeat,
+        absent=_absent(lines),
+        unknown=sum(len(section.lines) for section in sections if section.check is None),
+        meaning_of_sensitivity=SENSITIVITY,
         dates=sorted(line["time"] for line in lines)[:: max(1, len(lines) - 1)],
         cost=sum(line["cost"].get("seconds") or 0.0 for line in lines),
     )
@@ -129,7 +176,7 @@ def render(lines: list[Line], title: str) -> str:
 
 
 def _is_work_precision(name: str) -> bool:
-    return name == WORK_PRECISION or name.startswith(WORK_PRECISION + "/")
+    return name.startswith(WORK_PRECISION)
 
 
 def _sections(lines: list[Line]) -> list[Section]:
@@ -139,7 +186,7 @@ def _sections(lines: list[Line]) -> list[Section]:
     for line in sorted(lines, key=_rank):
         check = line["check"]
         if check not in found:
-            found[check] = Section(check, checks.get(check), "")
+            found[check] = Section(check, checks.get(check) or checks.get(check.removesuffix(_OLD_FULL)), "")
         found[check].lines.append(line)
     sections = sorted(found.values(), key=lambda section: section.name)
     for number, section in enumerate(sections, 1):
@@ -211,14 +258,17 @@ def _origins(lines: list[Line]) -> list[tuple[dict[str, Any], int]]:
 
 
 def _command(lines: list[Line], sections: list[Section]) -> str:
-    """The command line that runs the same checks again, with names of groups where all of a group has run."""
-    ran = {section.name for section in sections if section.check is not None}
+    """The command line that runs the same checks again, with names of groups where all of a group has run.
+
+    "" if this version has none of them.
+    """
+    known = [section for section in sections if section.check is not None]
+    if lines and not known:
+        return ""
+    ran = {section.check.name for section in known if section.check is not None}
     engines = sorted({line["engine"] for line in lines}, key=engine_order)
-    full = any(_tier(section) == "full" for section in sections)
-    try:
-        offered = {case.check for case in select([], "full" if full else "quick", engines)}
-    except UsageError:  # an engine that is not here any more
-        offered = set()
+    tier = _tier(line for section in known for line in section.lines)
+    offered = _offered(tier, engines)
     patterns: list[str] = []
     if not offered or not offered <= ran:
         for group in sorted({name.partition("/")[0] for name in ran}):
@@ -226,18 +276,27 @@ def _command(lines: list[Line], sections: list[Section]) -> str:
             whole = bool(offered) and {name for name in offered if name.startswith(group + "/")} <= some
             patterns += [f"{group}/*"] if whole else sorted(some)
     seeds = Counter(line["provenance"].get("seed", 0) for line in lines)
-    return _run(patterns, "full" if full else "quick", engines, seeds.most_common(1)[0][0] if seeds else 0)
+    return _run(patterns, tier, engines, seeds.most_common(1)[0][0] if seeds else 0)
 
 
-def _tier(section: Section) -> str:
-    """The tier that contains all its cases."""
-    return "full" if any(line["tier"] == "full" for line in section.lines) else "quick"
+def _offered(tier: str, engines: list[str]) -> set[str]:
+    """Names of the checks of the installed ones of these engines. Code that a record names is not loaded for that."""
+    installed = [engine for engine in engines if engine in engine_names()]
+    try:
+        return {case.check for case in select([], tier, installed)}
+    except UsageError:  # none is installed, or nothing fits
+        return set()
 
 
-def _repeat(section: Section) -> str:
-    """The command line for one check."""
-    engines = sorted({line["engine"] for line in section.lines}, key=engine_order)
-    return _run([section.name], _tier(section), engines, section.lines[0]["provenance"].get("seed", 0))
+def _absent(lines: list[Line]) -> list[str]:
+    """Engines by name, not by file, that are not installed where the report is made."""
+    named = {line["engine"] for line in lines if ".py:" not in line["engine"]}
+    return sorted(named - set(engine_names()))
+
+
+def _tier(lines: Iterable[Line]) -> str:
+    """The tier that contains all these cases."""
+    return "full" if any(line["tier"] == "full" for line in lines) else "quick"
 
 
 def _run(patterns: list[str], tier: str, engines: list[str], seed: int) -> str:
@@ -249,6 +308,17 @@ def _run(patterns: list[str], tier: str, engines: list[str], seed: int) -> str:
 
 
 # -- text ----------------------------------------------------------------------------------------------------
+
+
+def _kind(kind: str) -> str:
+    """The kind of a criterion, in words."""
+    return kind.replace("_", " ")
+
+
+def _remark(line: Line) -> str:
+    """What is said of a whole verdict; with one judgement also what is said of that."""
+    alone = [one["note"] for one in line["judgements"]] if len(line["judgements"]) == 1 else []
+    return "; ".join(dict.fromkeys(filter(None, [*alone, line["note"]]))) or str(line["message"].partition("\n")[0])
 
 
 def _equation(text: str) -> Markup:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from crosscheck.record import Line, shown
+from crosscheck.record import Line, deciding
 from crosscheck.report.numbers import deviation, expected, measured
 
 #: Characters that XML 1.0 cannot hold, escaped or not.
@@ -35,33 +35,30 @@ def write_junit(lines: Iterable[Line], path: Path) -> None:
 
 
 def _case(line: Line) -> ET.Element:
-    group, variant = line["check"], line["variant"]
     case = ET.Element(
         "testcase",
-        classname=_clean(group.replace("/", ".") or "crosscheck"),
-        name=_clean(f"{variant}[{line['engine']}]"),
+        classname=_clean(line["check"].replace("/", ".")),
+        name=_clean(f"{line['variant']}[{line['engine']}]"),
         time=f"{line['cost'].get('seconds') or 0.0:.3f}",
     )
     outcome, message = line["outcome"], _clean(line["message"])
     if outcome == "fail":
-        found = shown(line)
-        assert found is not None
-        kind, why = found["criterion"]["kind"], found["criterion"]["why"]
-        failure = ET.SubElement(case, "failure", message=_clean(_comparison(found)), type=kind)
-        failed = [_comparison(one) for one in line["judgements"] if one["outcome"] == "fail" and one != found]
-        failure.text = _clean("\n".join(filter(None, (why, *failed, line["note"], line["message"]))))
+        red = deciding(line)
+        failure = ET.SubElement(case, "failure", message=_clean(_comparison(red[0])), type=red[0]["criterion"]["kind"])
+        text = [part for one in red for part in (_comparison(one), one["criterion"]["why"], one["note"])]
+        # the first comparison is the message
+        failure.text = _clean("\n".join(dict.fromkeys(filter(None, (*text[1:], line["note"], line["message"])))))
     elif outcome == "error":
         first, _, rest = message.partition("\n")
         ET.SubElement(case, "error", message=first).text = rest
     elif outcome == "skip":
         ET.SubElement(case, "skipped", message=message)
     elif outcome == "inconclusive":
-        ET.SubElement(case, "skipped", message=_clean(f"inconclusive: {_comparison(shown(line))}"))
+        ET.SubElement(case, "skipped", message=_clean(f"inconclusive: {_comparison(deciding(line)[0])}"))
     return case
 
 
-def _comparison(judgement: dict[str, Any] | None) -> str:
-    assert judgement is not None
+def _comparison(judgement: dict[str, Any]) -> str:
     off = f"measured {measured(judgement)}, expected {expected(judgement)}, off by {deviation(judgement)}"
     return f"{judgement['quantity']}: {off}"
 

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
+import synthetic
 
 from crosscheck.documents import PAGES, write
 from crosscheck.documents.markdown import COMMAND
+from crosscheck.documents.record_schema import record_schema
 from crosscheck.documents.scene_words import EXAMPLES, scene_words, unit_and_meaning
 from crosscheck.engines.refimpl import RefimplEngine
+from crosscheck.record import FILE, case_name, read, shown
 from crosscheck.scene import Scene
 from crosscheck.scene.parts import INTERACTIONS
 from crosscheck.scene.tables import Table, tables
@@ -84,3 +90,136 @@ def test_an_example_is_a_scene_that_can_be_run(interaction: str, tmp_path: Path)
         assert len(scene.initial_state().positions) == scene.number
     else:
         assert scene.initial_sites().size > 0
+
+
+# -- lines of the record --------------------------------------------------------------------------------
+
+
+def faults_of(value: Any, schema: Any, definitions: dict[str, Any], where: str = "line") -> list[str]:
+    """Where a value departs from a JSON Schema; only the words that the schema of the record uses are understood."""
+    if schema is True:
+        return []
+    known = {"$ref", "anyOf", "type", "enum", "const", "properties", "required", "additionalProperties", "items"}
+    known |= {"prefixItems", "minItems", "maxItems", "description", "title", "default", "$schema", "$comment", "$defs"}
+    assert schema.keys() <= known, schema.keys() - known
+    if "$ref" in schema:
+        return faults_of(value, definitions[schema["$ref"].rpartition("/")[2]], definitions, where)
+    if "anyOf" in schema:
+        tried = [faults_of(value, one, definitions, where) for one in schema["anyOf"]]
+        return [] if [] in tried else [fault for faults in tried for fault in faults]
+    types = schema.get("type", [])
+    types = [types] if isinstance(types, str) else types
+    if types and not any(_IS[name](value) for name in types):
+        return [f"{where}: {value!r} is not {' or '.join(types)}"]
+    found = []
+    if "enum" in schema and value not in schema["enum"]:
+        found.append(f"{where}: {value!r} is none of {schema['enum']}")
+    if "const" in schema and value != schema["const"]:
+        found.append(f"{where}: {value!r} is not {schema['const']!r}")
+    if isinstance(value, dict):
+        properties = schema.get("properties", {})
+        found += [f"{where}: lacks {name}" for name in schema.get("required", []) if name not in value]
+        for name, item in value.items():
+            part = properties.get(name, schema.get("additionalProperties", True))
+            found += faults_of(item, part, definitions, f"{where}.{name}")
+    if isinstance(value, list):
+        first = schema.get("prefixItems", [])
+        if not schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)):
+            found.append(f"{where}: has {len(value)} items")
+        for number, item in enumerate(value):
+            part = first[number] if number < len(first) else schema.get("items", True)
+            found += faults_of(item, part, definitions, f"{where}[{number}]")
+    return found
+
+
+_IS: dict[str, Callable[[Any], bool]] = {
+    "object": lambda value: isinstance(value, dict),
+    "array": lambda value: isinstance(value, list),
+    "string": lambda value: isinstance(value, str),
+    "integer": lambda value: isinstance(value, int) and not isinstance(value, bool),
+    "number": lambda value: isinstance(value, int | float) and not isinstance(value, bool),
+    "boolean": lambda value: isinstance(value, bool),
+    "null": lambda value: value is None,
+}
+LINE_SCHEMA = json.loads(record_schema())
+
+
+def faults_of_line(line: dict[str, Any]) -> list[str]:
+    return faults_of(line, LINE_SCHEMA, LINE_SCHEMA["$defs"])
+
+
+@pytest.fixture(scope="module")
+def lines(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
+    """A record with every outcome and every kind of figure."""
+    return read(synthetic.write(tmp_path_factory.mktemp("record")))
+
+
+def test_lines_of_a_record_follow_the_schema(lines: list[dict[str, Any]]) -> None:
+    assert {line["outcome"] for line in lines} == {"pass", "fail", "inconclusive", "skip", "error"}
+    for line in lines:
+        assert faults_of_line(line) == []
+        assert line.keys() == LINE_SCHEMA["properties"].keys()
+        for judgement in line["judgements"]:
+            assert judgement.keys() == LINE_SCHEMA["$defs"]["Judgement"]["properties"].keys()
+
+
+def as_schema_1(line: dict[str, Any]) -> dict[str, Any]:
+    """The line as schema 1 had it, whose figures, in its last version, were those of now."""
+    old = {key: value for key, value in line.items() if key not in ("variant", "tier", "judgements", "worst")}
+    found = shown(line)
+    names = ("quantity", "measured", "uncertainty", "expected", "expected_uncertainty", "deviation", "sensitivity")
+    old |= {name: None if found is None else found[name] for name in names}
+    old |= {"schema": 1, "check": case_name(line), "criterion": None, "deviation_unit": None}
+    if found is not None:
+        criterion = {key: value for key, value in found["criterion"].items() if key != "sense"}
+        unit = "tolerance" if found["sigmas"] is None else "sigma"
+        deviation = found["deviation"] if found["sigmas"] is None else found["sigmas"]
+        old |= {"criterion": criterion, "deviation_unit": unit, "deviation": deviation}
+    return old
+
+
+def test_lines_of_schema_1_are_brought_to_the_schema(lines: list[dict[str, Any]], tmp_path: Path) -> None:
+    old = [as_schema_1(line) for line in lines]
+    assert all(faults_of_line(line) for line in old)
+    (tmp_path / FILE).write_text("".join(json.dumps(line) + "\n" for line in old))
+    brought = read(tmp_path)
+    assert len(brought) == len(lines)
+    for line, new in zip(brought, lines, strict=True):
+        assert faults_of_line(line) == []
+        found, meant = shown(line), shown(new)
+        if found is not None and meant is not None:
+            assert found["criterion"] == meant["criterion"]
+            assert found["sensitivity"] == meant["sensitivity"]
+            assert found["deviation"] == pytest.approx(meant["deviation"])
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        ({"schema": 1}, "line.schema: 1 is not 2"),
+        ({"outcome": "green"}, "line.outcome: 'green' is none of"),
+        ({"worst": 0.5}, "line.worst: 0.5 is not integer"),
+        ({"judgements": [{}]}, "line.judgements[0]: lacks outcome"),
+        ({"figures": [{"title": 1}]}, "line.figures[0].title: 1 is not string"),
+        ({"cost": {"seconds": "1"}}, "line.cost.seconds: '1' is not number or null"),
+    ],
+)
+def test_the_schema_finds_faults(lines: list[dict[str, Any]], change: dict[str, Any], fault: str) -> None:
+    assert any(found.startswith(fault) for found in faults_of_line(lines[0] | change))
+    without = {key: value for key, value in lines[0].items() if key not in change}
+    assert faults_of_line(without) == [f"line: lacks {key}" for key in change]
+
+
+def test_the_page_of_the_record_has_every_field() -> None:
+    text = (REFERENCE.parent / "record.md").read_text("utf-8")
+    rows = "".join(row for row in text.splitlines() if row.startswith("| `"))
+    named = set(re.findall("`([a-z_]+)`", rows))
+    named |= {"title", "x_label", "y_label", "x_scale", "y_scale"}  # in the sentence above the table of a figure
+    for part in (LINE_SCHEMA, *LINE_SCHEMA["$defs"].values()):
+        assert set(part["properties"]) <= named
+
+
+def test_the_example_of_the_page_of_the_record_follows_the_schema() -> None:
+    text = (REFERENCE.parent / "record.md").read_text("utf-8")
+    example = json.loads(text.partition("```json\n")[2].partition("```")[0])
+    assert faults_of_line(example) == []

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from crosscheck.figure import FieldMap, Figure, Frame, Histogram, RoundFrame, Series, Snapshot
 from crosscheck.record import Record
-from crosscheck.verdict import Judgement, Verdict, bounded, order, round_off, statistical
+from crosscheck.verdict import Judged, Verdict, bounded, controls, findings, order, round_off, statistical, worst
 
 SCHEMES = (
     "euler", "modified_euler", "symplectic_euler", "verlet", "leapfrog", "velocity_verlet", "beeman", "beeman_pc",
@@ -44,10 +44,10 @@ def _work_precision(scene: str, number: int, engine: str) -> Verdict:
         )
     )
     judgement = bounded("error at the reference cost", error[-1], 2.0, "made up", figures=figures)
-    return _verdict(f"performance/work-precision/{scene}/{scheme}", engine, judgement)
+    return _verdict(f"performance/work-precision-{scene}", scheme, engine, judgement)
 
 
-def _verdict(check: str, engine: str, judgement: Judgement, seconds: float = 0.31) -> Verdict:
+def _verdict(check: str, variant: str, engine: str, judged: Judged, seconds: float = 0.31) -> Verdict:
     cost = {
         "seconds": seconds,
         "wall": 0.2,
@@ -57,7 +57,8 @@ def _verdict(check: str, engine: str, judgement: Judgement, seconds: float = 0.3
         "evaluations": 12345,
         "peak_bytes": 1e8,
     }
-    return Verdict(check, engine, judgement.outcome, judgement, "", cost)
+    found = findings(judged)
+    return Verdict(check, variant, engine, found.outcome, found, "", cost)
 
 
 def _gas() -> tuple[Figure, ...]:
@@ -96,6 +97,32 @@ def _gas() -> tuple[Figure, ...]:
     )
 
 
+#: What the planted judgements of `several` are called, in their order.
+SEVERAL = (
+    "particles that overlap at the start",
+    "share of fast particles",
+    "pressure",
+    "temperature",
+    "mean free path",
+)
+
+
+def several(faulty: bool) -> Judged:
+    """Several judgements: a control, bounds in both senses, a statistical one; if faulty, two of them red."""
+    return worst(
+        [
+            controls(bounded(SEVERAL[0], 0.0, 0.5, "made up: the start")),
+            bounded(SEVERAL[1], 0.02 if faulty else 0.08, 0.04, "made up: the start", at_least=True),
+            statistical(
+                SEVERAL[2], 1.5 if faulty else 1.02, 0.01, 1.0, 0.0, "blocking", samples=400, note="of 64 disks"
+            ),
+            bounded(SEVERAL[3], 0.7, 1.4, "made up: the heat bath"),
+            bounded(SEVERAL[4], 0.031, 0.062, "made up: the heat bath"),
+        ],
+        "a box of 1234 disks",
+    )
+
+
 def verdicts() -> list[Verdict]:
     made: list[Verdict] = []
     for number, scheme in enumerate(SCHEMES):
@@ -111,7 +138,7 @@ def verdicts() -> list[Verdict]:
                 "order of the position error", slope, ORDERS[number], 0.25, "orders are whole numbers",
                 uncertainty=0.0123, note="error at the largest step: 0.013 r₀", figures=(figure,),
             )  # fmt: skip
-            made.append(_verdict(f"stepping/oscillator-damped/{scheme}", engine, judged))
+            made.append(_verdict("stepping/oscillator-damped", scheme, engine, judged))
     for engine in ("refimpl", "lammps", "ase", "rebound"):
         made.append(_work_precision("kepler", 5, engine))
     r = [0.8 + 0.02 * i for i in range(110)]
@@ -126,41 +153,50 @@ def verdicts() -> list[Verdict]:
         judged = statistical(
             "pressure", 1.02 + shift, 0.0051, 1.0233, 0.0012, "blocking", samples=400, needed=0.05, figures=(figure,)
         )
-        made.append(_verdict("stepping/lennard-jones-eos/T=2.0-rho=0.5", engine, judged, 71.0))
+        made.append(_verdict("stepping/lennard-jones-eos", "T=2.0-rho=0.5", engine, judged, 71.0))
         few = statistical("pressure", 0.018, 0.21, 0.01434, 1e-5, "blocking", samples=6, needed=0.05, note="6 samples")
-        made.append(_verdict("stepping/lennard-jones-eos/T=1.0-rho=0.7", engine, few, 3700.0))
+        made.append(_verdict("stepping/lennard-jones-eos", "T=1.0-rho=0.7", engine, few, 3700.0))
     t = [0.01 * i for i in range(3000)]
     energy = Series("energy", t, [1e-6 * math.sin(3 * q) + 1e-8 * q for q in t])
     drift = Figure(
         "energy of the two bodies against the time since the start", "t / period", "(E - E₀)/|E₀|", series=(energy,)
     )
     made += [
-        _verdict("events/energy/disks", "refimpl", round_off("energy change", 3.2e-14, 1e-12, "few", figures=(drift,))),
-        _verdict("events/energy/<script>", "refimpl", round_off("energy", 2e-3, 1e-12, HOSTILE, note=HOSTILE)),
-        _verdict("events/gas/elastic", "refimpl", round_off("energy change", 1e-15, 1e-12, "few", figures=_gas())),
-        _verdict("events/gone/old", "refimpl", round_off("energy change", math.nan, 1e-12, "rounding")),
         _verdict(
-            "stepping/stability/euler", "refimpl",
+            "events/energy", "disks", "refimpl", round_off("energy change", 3.2e-14, 1e-12, "few", figures=(drift,))
+        ),
+        _verdict("events/energy", "<script>", "refimpl", round_off("energy", 2e-3, 1e-12, HOSTILE, note=HOSTILE)),
+        _verdict("events/gas", "elastic", "refimpl", round_off("energy change", 1e-15, 1e-12, "few", figures=_gas())),
+        _verdict("events/gone", "old", "refimpl", round_off("energy change", math.nan, 1e-12, "rounding")),
+        _verdict(
+            "stepping/stability", "euler", "refimpl",
             bounded("growth", 1e40, 1e3, "unstable for every step", expected_failure=True, figures=(
                 Figure("growth", "steps", "amplitude", "log", "log", (
                     Series("euler", [1.0, 10.0, 100.0, 1000.0], [1.0, 0.0, 1e12, 1e200]),
                 )),
             )),
         ),
-        _verdict("lattice/semi-detailed-balance/fhp2", "refimpl", round_off("asymmetry", 0.0, 1e-300, "integers")),
-        Verdict("events/inelastic-collapse/hot", "refimpl", "error", None,
+        _verdict("lattice/semi-detailed-balance", "fhp2", "refimpl", round_off("asymmetry", 0.0, 1e-300, "integers")),
+        Verdict("events/inelastic-collapse", "hot", "refimpl", "error", None,
                 "refimpl was killed by signal 11\nTraceback (most recent call last):\n"
                 '  File "/somewhere/with/a/very/long/path/refimpl/events/engine.py", line 12, in run\n'
                 f"ValueError: {HOSTILE}", {"seconds": 12.0}),
     ]  # fmt: skip
+    made += [_verdict("events/several", name, "refimpl", several(name == "faulty")) for name in ("right", "faulty")]
     for case in ("poiseuille", "shear-wave", "viscosity"):
         made.append(
             Verdict(
-                f"lattice/{case}/fhp1", "my_engine.py:Mine", "skip", None, "Mine: no lattice gases", {"seconds": 0.01}
+                f"lattice/{case}",
+                "fhp1",
+                "my_engine.py:Mine",
+                "skip",
+                None,
+                "Mine: no lattice gases",
+                {"seconds": 0.01},
             )
         )
     made.append(
-        Verdict("stepping/kepler/e=0.9", "rebound", "skip", None, "rebound: ImportError: absent", {"seconds": 0.0})
+        Verdict("stepping/kepler", "e=0.9", "rebound", "skip", None, "rebound: ImportError: absent", {"seconds": 0.0})
     )
     return made
 

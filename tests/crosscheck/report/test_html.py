@@ -1,5 +1,6 @@
 """The HTML report of a synthetic record: complete, self-contained, escaped, reproducible, and with enough contrast."""
 
+import json
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -9,10 +10,13 @@ from itertools import pairwise
 import pytest
 import synthetic
 
+from crosscheck.checks import all_checks
 from crosscheck.checks.stepping.oscillator import CHECKS
 from crosscheck.errors import UsageError
-from crosscheck.record import Record, read
+from crosscheck.record import FILE, Record, read
 from crosscheck.report import figures, html, pictures
+from crosscheck.runner import select
+from crosscheck.verdict import SENSITIVITY
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -105,7 +109,8 @@ def test_shows_every_verdict(text, lines):
     assert len(rows) == len(lines)
     words = "\n".join(page.words)
     for line in lines:
-        assert line["check"].rpartition("/")[2] in words
+        assert line["check"].partition("/")[2] in words
+        assert line["variant"] in words
 
 
 def test_errors_then_failures_then_the_inconclusive_come_before_passes(text):
@@ -164,6 +169,175 @@ def test_a_check_of_this_version_comes_with_its_texts(text):
 def test_an_unknown_check_is_shown_as_it_was_recorded(text):
     assert "events/gone" in text
     assert "This version has no check of this name" in text
+
+
+# -- several judgements --------------------------------------------------------------------------------
+
+
+def rows(text, variant):
+    """The row of a verdict in the table of its check, and the one below it."""
+    parts = re.split("<tbody data-outcome", text)
+    (part,) = (one for one in parts if f'<tr><th scope="row">{variant}</th>' in one)
+    return part.partition("</tbody>\n</table></div>")[0]
+
+
+def words(markup):
+    return " ".join(" ".join(Collector(markup).words).split())
+
+
+def judgements(text, variant):
+    """The cells of all judgements that the verdict opens to."""
+    table = re.search(r'<table class="all">.*?</table>', rows(text, variant), re.DOTALL)[0]
+    body = table[table.index("<tbody>") :]
+    return [
+        [words(cell) for cell in re.findall(r"<t[hd].*?</t[hd]>", row, re.DOTALL)]
+        for row in re.findall(r"<tr>.*?</tr>", body, re.DOTALL)
+    ]
+
+
+def test_a_verdict_opens_to_all_its_judgements_in_the_order_of_the_record(text):
+    assert judgements(text, "faulty") == [
+        ["particles that overlap at the start control", "pass", "0", "≤ 0.5", "0 tol.", "1", "bound [1]"],
+        ["share of fast particles", "fail", "0.02", "≥ 0.04", "2 tol.", "0.5", "bound [1]"],
+        ["pressure of 64 disks", "fail", "1.500(10)", "1", "50 σ", "0.039", "statistical [2]"],
+        ["temperature", "pass", "0.7", "≤ 1.4", "0.5 tol.", "0.5", "bound [3]"],
+        ["mean free path", "pass", "0.031", "≤ 0.062", "0.5 tol.", "0.5", "bound [3]"],
+    ]
+
+
+def test_opening_needs_no_script_and_is_marked_where_it_decides(text):
+    folded = rows(text, "faulty")
+    assert folded.count("<details>") == 1
+    assert "<b>pressure</b>" in folded
+    assert "<script" not in folded
+    assert " open" not in folded
+
+
+@pytest.mark.parametrize(
+    ("variant", "seen"),
+    [
+        ("faulty", "faulty refimpl fail 1.500(10) 1 50 σ 0.039 0.31 s 12345 pressure , one of 5 judgements, 2 red."),
+        ("right", "right refimpl pass 1.020(10) 1 2 σ 0.039 0.31 s 12345 pressure , one of 5 judgements."),
+    ],
+)
+def test_a_closed_verdict_shows_the_judgement_that_decides(text, variant, seen):
+    closed = rows(text, variant).partition("</summary>")[0] + "</summary></details></td></tr></tbody>"
+    assert words("<tbody data-outcome" + closed) == f"{seen} a box of 1234 disks"
+
+
+def test_the_number_of_a_criterion_is_that_of_its_reason(text):
+    section = re.search(r'<section class="check" id="(\S+)">\s*<h3>events/several</h3>.*?</section>', text, re.DOTALL)
+    reasons = {
+        number: words(reason)
+        for number, reason in re.findall(rf'<li id="{section[1]}-(\d)">(.*?)</li>', section[0], re.DOTALL)
+    }
+    expected = {
+        "1": "bound : made up: the start",
+        "2": "statistical : blocking;",
+        "3": "bound : made up: the heat bath",
+    }
+    for number, reason in expected.items():
+        assert reasons[number].startswith(reason)
+    assert len(reasons) == 3
+    assert section[0].count("made up: the start") == 1
+    assert section[0].count("blocking;") == 1
+
+
+def test_a_card_lists_every_red_judgement_with_its_reason(text):
+    card = re.search(r'<article class="card fail">\s*<h3>[^\n]*events/several.*?</article>', text, re.DOTALL)[0]
+    seen = words(card)
+    assert seen.index("pressure: measured 1.500(10) , expected 1 , deviation 50 σ") < seen.index(
+        "share of fast particles"
+    )
+    assert "expected ≥ 0.04 , deviation 2 tol." in seen
+    assert "2 of 5 judgements are red" in seen
+    assert "mean free path" not in seen
+    assert seen.count("made up: the start") == 1
+
+
+def test_one_judgement_has_nothing_to_open(text):
+    assert "<details>" not in rows(text, "disks")
+
+
+def test_the_numbers_are_explained(text):
+    page = " ".join("".join(Collector(text).words).split())
+    for part in (SENSITIVITY, "≤ at most, ≥ at least", "set-up is as meant", "red above 1"):
+        assert part in page
+
+
+# -- records of other versions and machines ------------------------------------------------------------
+
+OLD = {
+    "schema": 1,
+    "check": "stepping/oscillator-damped-full/euler",
+    "engine": "refimpl",
+    "outcome": "pass",
+    "quantity": "largest error",
+    "measured": 1.0,
+    "uncertainty": None,
+    "expected": 4.0,
+    "expected_uncertainty": None,
+    "deviation": 0.25,
+    "deviation_unit": "tolerance",
+    "sensitivity": 4.0,
+    "criterion": {"kind": "bound", "tolerance": 4.0, "why": "made up"},
+    "note": "a note",
+    "figures": [],
+    "message": "",
+    "cost": {"seconds": 1.0},
+    "time": "2026-01-01T00:00:00+00:00",
+    "provenance": synthetic.PROVENANCE,
+}
+
+
+def rendered(tmp_path, *changes):
+    (tmp_path / FILE).write_text("".join(json.dumps(OLD | one) + "\n" for one in changes))
+    return html.render(read(tmp_path), "old")
+
+
+def repeats(text):
+    """The commands of the page: of all, and of each check."""
+    return [words(part) for part in re.findall(r"<(?:pre tabindex|dd><code).*?</(?:pre|dd)>", text, re.DOTALL)]
+
+
+def test_an_old_record_is_shown_with_the_texts_and_the_command_of_the_check_that_took_its_place(tmp_path):
+    text = rendered(tmp_path, {})
+    (check,) = (check for check in CHECKS if check.name == "stepping/oscillator-damped")
+    assert check.title in words(text)
+    assert "largest error" in words(text)
+    assert re.search(r"euler refimpl pass 1 ≤ 4 0.25 tol. 0.75 1 s – a note", words(text))
+    command = "crosscheck run stepping/oscillator-damped --tier full --engine refimpl --seed 7"
+    assert repeats(text) == [command] * 3
+
+
+def test_checks_that_are_gone_have_no_command(tmp_path):
+    text = rendered(tmp_path, {"check": "events/gone/x"})
+    assert repeats(text) == []
+    assert "1 verdict of checks that this version does not have" in words(text)
+    both = rendered(tmp_path, {"check": "events/gone/x"}, {"check": "stepping/oscillator-damped/euler"})
+    assert repeats(both) == ["crosscheck run stepping/oscillator-damped --engine refimpl --seed 7"] * 3
+
+
+def test_engines_that_are_not_here_are_named_and_no_file_of_a_record_is_loaded(tmp_path):
+    loaded = tmp_path / "loaded"
+    (tmp_path / "my.py").write_text(f"open({str(loaded)!r}, 'w')")
+    case = {"check": "stepping/oscillator-damped/euler"}
+    text = rendered(tmp_path, case, case | {"engine": "gone"}, case | {"engine": f"{tmp_path}/my.py:Mine"})
+    assert "needs gone, not installed" in words(text)
+    assert f"--engine refimpl --engine {tmp_path}/my.py:Mine --engine gone --seed 7" in repeats(text)[1]
+    assert not loaded.exists()
+
+
+def test_a_whole_group_is_repeated_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.setattr(html, "all_checks", all_checks)
+    names = sorted({case.check for case in select([], "quick", ["rebound"])})
+    stepping = [name for name in names if name.startswith("stepping/")]
+    assert len(names) > len(stepping)
+    command = "--engine rebound --seed 7"
+    text = rendered(tmp_path, *({"check": f"{name}/x", "engine": "rebound"} for name in stepping))
+    assert repeats(text)[0] == f"crosscheck run 'stepping/*' {command}"
+    text = rendered(tmp_path, *({"check": f"{name}/x", "engine": "rebound"} for name in names))
+    assert repeats(text)[0] == f"crosscheck run {command}"
 
 
 @pytest.mark.parametrize(

@@ -42,9 +42,23 @@ def test_names(suite):
 def test_messages(suite):
     failure = suite.find("testcase[@name='rk4[refimpl]']/failure")
     assert failure.get("message") == "order of the position error: measured 5.010(12), expected 4, off by 4.04 tol."
+    assert failure.text == "orders are whole numbers\nerror at the largest step: 0.013 r₀"
     error = suite.find("testcase/error")
     assert error.get("message") == "refimpl was killed by signal 11"
     assert "Traceback" in error.text
     reasons = [skipped.get("message") for skipped in suite.iter("skipped")]
     assert sum(reason.startswith("inconclusive: pressure") for reason in reasons) == 2
     assert "Mine: no lattice gases" in reasons
+
+
+def test_a_failure_lists_every_red_judgement_with_its_reason_and_no_other(suite):
+    failure = suite.find("testcase[@name='faulty[refimpl]']/failure")
+    assert failure.get("type") == "statistical"
+    assert failure.get("message") == "pressure: measured 1.500(10), expected 1, off by 50 σ"
+    assert failure.text.splitlines() == [
+        "blocking; red beyond 3.93 sigma, false-alarm rate 0.0001",
+        "of 64 disks",
+        "share of fast particles: measured 0.02, expected ≥ 0.04, off by 2 tol.",
+        "made up: the start",
+        "a box of 1234 disks",
+    ]

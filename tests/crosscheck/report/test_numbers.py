@@ -1,11 +1,14 @@
 """Numbers as they appear in the report."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 from crosscheck.report import numbers
-from crosscheck.verdict import Verdict, bounded, order, round_off, statistical
+from crosscheck.verdict import SENSITIVITY, Judgement, Verdict, bounded, findings, order, round_off, statistical
+
+DOCS = Path(__file__).parents[3] / "docs"
 
 
 @pytest.mark.parametrize(
@@ -52,9 +55,9 @@ def test_seconds(value, text):
     assert numbers.seconds(value) == text
 
 
-def as_line(judgement):
-
-    return Verdict("a/b", "refimpl", judgement.outcome, judgement, "").as_record()
+def as_recorded(judgement):
+    line = Verdict("a/b", "", "refimpl", judgement.outcome, findings(judgement), "").as_record()
+    return line["judgements"][line["worst"]]
 
 
 @pytest.mark.parametrize(
@@ -62,19 +65,30 @@ def as_line(judgement):
     [
         (round_off("e", 3e-13, 1e-12, "w"), "0", "0.3 tol.", "1e-12 abs."),
         (order("p", 2.1, 2.0, 0.25, "w"), "2", "0.4 tol.", "0.12"),
-        (bounded("b", 1.0, 4.0, "w"), "≤ 4", "0.25 tol.", "4 abs."),
-        (bounded("b", 8.0, 4.0, "w"), "≤ 4", "2 tol.", "4 abs."),
-        (bounded("b", 8.0, 4.0, "w", at_least=True), "≥ 4", "0.5 tol.", "4 abs."),
-        (bounded("b", 0.0, 4.0, "w", at_least=True), "≥ 4", "∞", "4 abs."),
-        (bounded("b", 0.0, 4.0, "w"), "≤ 4", "0 tol.", "4 abs."),
-        (bounded("b", 1e9, 4.0, "w", expected_failure=True), "≥ 4", "4e-9 tol.", "4 abs."),
+        (bounded("b", 1.0, 4.0, "w"), "≤ 4", "0.25 tol.", "0.75"),
+        (bounded("b", 8.0, 4.0, "w"), "≤ 4", "2 tol.", "1"),
+        (bounded("b", 8.0, 4.0, "w", at_least=True), "≥ 4", "0.5 tol.", "1"),
+        (bounded("b", 0.0, 4.0, "w", at_least=True), "≥ 4", "∞", "1"),
+        (bounded("b", 0.0, 4.0, "w"), "≤ 4", "0 tol.", "1"),
+        (bounded("b", 1e9, 4.0, "w", expected_failure=True), "≥ 4", "4e-9 tol.", "2.5e8"),
+        (bounded("b", 0.5, 0.0, "w"), "≤ 0", "∞", "0.5 abs."),
         (statistical("s", 1.1, 0.1, 1.0, 0.02, "w", samples=1e6), "1.000(20)", "0.981 σ", "0.4"),
         (round_off("e", math.nan, 1e-12, "w"), "0", "∞", "1e-12 abs."),
     ],
 )
-def test_of_a_verdict(judgement, expected, deviation, sensitivity):
-    line = as_line(judgement)
-    assert numbers.expected(line) == expected
-    assert numbers.deviation(line) == deviation
-    assert numbers.sensitivity(line) == sensitivity
-    assert numbers.measured(line) != numbers.ABSENT
+def test_of_a_judgement(judgement, expected, deviation, sensitivity):
+    recorded = as_recorded(judgement)
+    assert numbers.expected(recorded) == expected
+    assert numbers.deviation(recorded) == deviation
+    assert numbers.sensitivity(recorded) == sensitivity
+    assert numbers.measured(recorded) != numbers.ABSENT
+
+
+def test_nothing_is_shown_of_no_judgement():
+    shown = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
+    assert {number(None) for number in shown} == {numbers.ABSENT}
+
+
+@pytest.mark.parametrize("text", [Judgement.__doc__, (DOCS / "record.md").read_text(encoding="utf-8")])
+def test_sensitivity_is_explained_in_the_same_words_everywhere(text):
+    assert SENSITIVITY in " ".join(text.replace("\\|", "|").split())

@@ -17,22 +17,22 @@ from hypothesis import strategies as st
 from crosscheck import painter
 from crosscheck.figure import FieldMap, Figure, Frame, RoundFrame, Snapshot
 from crosscheck.report import figures, pictures
-from crosscheck.verdict import Verdict, round_off
+from crosscheck.verdict import Verdict, findings, round_off
 
 BOX = Frame(0.0, 10.0, 0.0, 5.0)
 
 
-def line(content, check="group/check/a", engine="refimpl", title="picture"):
+def line(content, variant="a", engine="refimpl", title="picture"):
     """The line of a record with one picture."""
     kind = "snapshot" if isinstance(content, Snapshot) else "map"
     figure = Figure(title, "x / σ", "y / σ", **{kind: content})
     judgement = round_off("error", 0.0, 1.0, "none", figures=(figure,))
-    record = Verdict(check, engine, "pass", judgement, "").as_record()
+    record = Verdict("group/check", variant, engine, "pass", findings(judgement), "").as_record()
     return json.loads(json.dumps(record, allow_nan=False))
 
 
 def variant(one):
-    return one["check"].rpartition("/")[2]
+    return one["variant"]
 
 
 def draw(content):
@@ -199,7 +199,7 @@ def test_every_map_is_drawn(values):
 def test_pictures_are_no_curves_and_curves_no_pictures():
     snapshot = line(Snapshot([], [], 0.5, BOX))
     curves = {"title": "a", "x_label": "", "y_label": "", "x_scale": "linear", "y_scale": "linear", "series": []}
-    old = {"check": "group/check/a", "engine": "refimpl", "figures": [curves]}
+    old = {"check": "group/check", "variant": "a", "engine": "refimpl", "figures": [curves]}
     assert figures.panels([snapshot], variant) == []
     assert pictures.pictures([old, {**old, "figures": None}], variant) == []
     assert len(figures.panels([old], variant)) == 1
@@ -207,7 +207,7 @@ def test_pictures_are_no_curves_and_curves_no_pictures():
 
 def test_pictures_of_one_title_are_told_apart():
     field = FieldMap([[1.0]], BOX, "T")
-    checks = [("group/check/a", "refimpl"), ("group/check/b", "refimpl"), ("group/check/b", "lammps")]
+    checks = [("a", "refimpl"), ("b", "refimpl"), ("b", "lammps")]
     found = pictures.pictures([line(field, *one) for one in checks], variant)
     assert [one.title for one in found] == ["picture, a [refimpl]", "picture, b [refimpl]", "picture, b [lammps]"]
     assert [one.title for one in pictures.pictures([line(field)], variant)] == ["picture"]
