@@ -82,7 +82,7 @@ class _Decay(NamedTuple):
     speeds: Floats
 
 
-def theory(bath: Bath) -> Tracers:
+def _theory(bath: Bath) -> Tracers:
     """Enskog's theory of the tracers in this bath."""
     return tracers_in_bath(bath.density, bath.sites - bath.tracers, bath.tracers, SIZE, MASS, bath.dimension)
 
@@ -112,7 +112,7 @@ def _tracers(scene: Scene, run: Run) -> Floats:
 
 def _judge(laboratory: Laboratory, bath: Bath) -> Judged:
     """Initial decay and equipartition, in space also the decay after 1/gamma; the runs are the independent samples."""
-    known = theory(bath)
+    known = _theory(bath)
     decay = _decays(laboratory, bath, 2 / known.gamma)
     model = known.autocorrelation(decay.time)
     why = f"standard error over {RUNS} runs"

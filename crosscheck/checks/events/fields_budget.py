@@ -62,7 +62,7 @@ def cell_budgets(run: Run, acceleration: Floats) -> dict[str, float]:
     return defects
 
 
-def cell_totals(run: Run, scene: Scene) -> dict[str, float]:
+def _cell_totals(run: Run, scene: Scene) -> dict[str, float]:
     """Defects of the sums over cells from what is known otherwise, each over its own size; run: two samples."""
     state = scene.initial_state()
     g = np.zeros(scene.dimension) if scene.acceleration is None else np.array(scene.acceleration)
@@ -170,7 +170,7 @@ def _judge_budget(laboratory: Laboratory, scene: Scene) -> Judged:
     ]
     judgements += [
         round_off(f"sum over cells: {name}; relative defect", error, tolerance, _WHY)
-        for name, error in cell_totals(run, scene).items()
+        for name, error in _cell_totals(run, scene).items()
     ]
     defect, size = energy_defect(run)
     judgements.append(round_off("energy of the whole: defect of its budget", defect / size, tolerance, _WHY))

@@ -29,7 +29,7 @@ SPEEDS = (1.0, 2.0, 3.0)
 PHASES, PER_PERIOD, PERIODS = 2000, 6, 12
 
 
-class Visits(NamedTuple):
+class _Visits(NamedTuple):
     """Of every grain: energy gained in its visit to the floor, velocity on leaving; and the share still there."""
 
     gains: Floats
@@ -37,7 +37,7 @@ class Visits(NamedTuple):
     unfinished: float
 
 
-def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> Visits:
+def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> _Visits:
     """One grain per phase comes down onto the floor A cos(t/A), V0 = 1: at z = 0 it would have velocity -u.
 
     A visit is over when the grain rises above the floor's highest place.
@@ -56,7 +56,7 @@ def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> Visits:
     sample = np.where(finished, gone.argmax(axis=0), z.shape[0] - 1)
     grain_numbers = np.arange(PHASES)
     energies = 0.5 * v[sample, grain_numbers] ** 2 + GRAVITY * z[sample, grain_numbers]
-    return Visits(energies - 0.5 * u * u, np.sqrt(2 * np.maximum(energies, 0.0)), 1 - float(finished.mean()))
+    return _Visits(energies - 0.5 * u * u, np.sqrt(2 * np.maximum(energies, 0.0)), 1 - float(finished.mean()))
 
 
 def _judge_limit(laboratory: Laboratory, u: float) -> Judged:

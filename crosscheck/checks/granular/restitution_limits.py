@@ -40,7 +40,7 @@ from crosscheck.verdict import Judged, order, statistical, within, worst
 # -- towards 1, and towards 0 ------------------------------------------------------------------------------------------
 
 
-class Towards(NamedTuple):
+class _Towards(NamedTuple):
     """Restitutions towards `limit`, the nearest last, at these dt/t_c, and the order of the error at the last one."""
 
     limit: int
@@ -49,9 +49,9 @@ class Towards(NamedTuple):
     order: float
 
 
-TOWARDS_1 = Towards(1, (0.99, 0.9999, 1 - 1e-6, 1.0), RESOLUTIONS, 2.0)
+TOWARDS_1 = _Towards(1, (0.99, 0.9999, 1 - 1e-6, 1.0), RESOLUTIONS, 2.0)
 #: As alpha -> 0, t_c is long, and d ln alpha = -pi d zeta/(1 - zeta^2)^(3/2) asks for small steps.
-TOWARDS_0 = Towards(0, (1e-2, 1e-3, 1e-6), (1e-3, 2.5e-4, 6.25e-5), 1.0)
+TOWARDS_0 = _Towards(0, (1e-2, 1e-3, 1e-6), (1e-3, 2.5e-4, 6.25e-5), 1.0)
 
 
 def _rebounds(laboratory: Laboratory, alpha: float, resolution: float) -> tuple[Floats, float]:
@@ -65,7 +65,7 @@ def _rebounds(laboratory: Laboratory, alpha: float, resolution: float) -> tuple[
     return rebound(impacts, *after(impacts, run))[0], hooke_bounds(alpha, resolution).restitution + rounding
 
 
-def _judge_towards(laboratory: Laboratory, case: Towards) -> Judged:
+def _judge_towards(laboratory: Laboratory, case: _Towards) -> Judged:
     alphas, resolutions = case.alphas, case.resolutions
     found = {(a, r): _rebounds(laboratory, a, r) for a in alphas for r in resolutions}
     # a grain that does not come back is further off than any bound
@@ -160,8 +160,8 @@ def _judge_gas(laboratory: Laboratory) -> Judged:
     )  # fmt: skip
 
 
-def _judge_limits(laboratory: Laboratory, case: Towards | Literal["zero", "elastic-gas"]) -> Judged:
-    if isinstance(case, Towards):
+def _judge_limits(laboratory: Laboratory, case: _Towards | Literal["zero", "elastic-gas"]) -> Judged:
+    if isinstance(case, _Towards):
         return _judge_towards(laboratory, case)
     return _judge_zero(laboratory) if case == "zero" else _judge_gas(laboratory)
 

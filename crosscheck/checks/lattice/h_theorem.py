@@ -28,14 +28,14 @@ from crosscheck.statistics import independent_mean
 from crosscheck.verdict import Judged, bounded, statistical, worst
 
 
-class Case(NamedTuple):
+class _Case(NamedTuple):
     """A model, moved as mean occupations by the Boltzmann equation, or as an ensemble of gases."""
 
     model: str
     ensemble: bool
 
 
-def _judge(laboratory: Laboratory, case: Case) -> Judged:
+def _judge(laboratory: Laboratory, case: _Case) -> Judged:
     return _of_ensemble(laboratory, case.model) if case.ensemble else _of_boltzmann(laboratory, case.model)
 
 
@@ -150,7 +150,7 @@ CHECKS = (
         citation=FHP + ", appendix F (M. Henon)",
         judge=_judge,
         variants=tuple(
-            Variant(f"{name}-{'ensemble' if ensemble else 'boltzmann'}", Case(name, ensemble), "full")
+            Variant(f"{name}-{'ensemble' if ensemble else 'boltzmann'}", _Case(name, ensemble), "full")
             for name in MODELS
             for ensemble in (False, True)
         ),

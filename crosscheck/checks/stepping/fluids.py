@@ -106,7 +106,7 @@ CUTOFF, AVERAGE = 3.0, Method(scheme="velocity_verlet", dt=0.004)
 AVERAGE_STEPS, AVERAGE_EVERY, PARTICLES = 4000, 10, 500
 
 
-def temperature_of(scene: Scene, kinetic: Floats | float) -> Floats | float:
+def _temperature_of(scene: Scene, kinetic: Floats | float) -> Floats | float:
     """2 K/(d (N - 1)): the total momentum is zero and does not take part."""
     return 2 * kinetic / (scene.dimension * (scene.number - 1))
 
@@ -118,7 +118,7 @@ def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
     for _ in range(10):
         run = laboratory.run(scene, AVERAGE, engine="refimpl")
         kinetic = 0.5 * (run["final_velocities"] ** 2).sum()
-        scale = np.sqrt(temperature / temperature_of(scene, kinetic))
+        scale = np.sqrt(temperature / _temperature_of(scene, kinetic))
         scene = scene.changed(initial=explicit(run["final_positions"], scale * run["final_velocities"]))
     run = laboratory.run(scene.changed(duration=500 * AVERAGE.step), AVERAGE, engine="refimpl")
     return scene.changed(
@@ -131,7 +131,7 @@ def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
 def series(scene: Scene, run: Run) -> dict[str, Floats]:
     """T, u = U/N and p at every sample, without long-range corrections."""
     return {
-        "T": np.asarray(temperature_of(scene, run["kinetic_energy"])),
+        "T": np.asarray(_temperature_of(scene, run["kinetic_energy"])),
         "u": run["potential_energy"] / scene.number,
         "p": (2 * run["kinetic_energy"] + run["virial"]) / (scene.dimension * scene.volume()),
     }
