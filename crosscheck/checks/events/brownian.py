@@ -26,10 +26,11 @@ MASS, SIZE = 50.0, 3.0
 
 
 class Bath(NamedTuple):
-    """sites: of the lattice, all but `tracers` of them small particles; number density of the bath; time of a run.
+    """A bath of small particles with some large ones, the tracers, in `dimension` dimensions; small diameter, mass 1.
 
-    early: when the initial decay is read off: several collisions of the tracer, and less than the bath needs to come
-    back to it.
+    sites: of the lattice, one particle each. tracers: number of large particles. density: number of particles a unit of
+    volume. duration: of a run (time). early: time at which the initial decay is measured: several collisions of the
+    tracer, and too short for the momentum it gave to the bath to act on it again.
     """
 
     dimension: int
@@ -46,7 +47,10 @@ RUNS = 16
 
 
 def brownian(bath: Bath, seed: int, interval: float) -> Scene:
-    """A lattice wide enough for the large particles, which are spread evenly over its sites."""
+    """A lattice wide enough for the large particles, which are spread evenly over its sites.
+
+    bath: what is run. seed: of the velocities. interval: between samples (time).
+    """
     dimension = bath.dimension
     species = np.zeros(bath.sites, dtype=int)
     species[(np.arange(bath.tracers) * bath.sites) // bath.tracers + bath.sites // (2 * bath.tracers)] = 1

@@ -23,7 +23,11 @@ from crosscheck.verdict import Judged, Judgement, bounded, round_off, statistica
 
 
 class Arrangement(NamedTuple):
-    """Centres of the scatterers, and places and velocities (speed 1) of points in the free volume; the box's side."""
+    """Fixed scatterers and moving points in a periodic box.
+
+    centres: of the scatterers, (scatterers, d). places, velocities: of the points, in the free volume and of speed 1,
+    (points, d). length: side of the box.
+    """
 
     centres: Floats
     places: Floats
@@ -32,7 +36,11 @@ class Arrangement(NamedTuple):
 
 
 def arrangement(dimension: int, x: float, scatterers: int, points: int, seed: int, overlapping: bool) -> Arrangement:
-    """Scatterers of radius 1 at random, one after the other, with or without overlaps; points anywhere between them."""
+    """Scatterers of radius 1 at random, one after the other, and points at random in the volume between them.
+
+    dimension: 2 or 3. x: scatterers a unit of volume. scatterers, points: numbers of them. seed: of all that is random.
+    overlapping: whether scatterers may overlap.
+    """
     rng = np.random.default_rng(seed)
     length = (scatterers / x) ** (1 / dimension)
     if overlapping:

@@ -30,7 +30,7 @@ COLLISIONS, SAMPLES = 3e6, 240
 
 
 class Blend(NamedTuple):
-    """eta: packing fraction."""
+    """A mixture in `dimension` dimensions; eta: packing fraction of both species together."""
 
     dimension: int
     eta: float
@@ -43,7 +43,11 @@ MIXTURES = {
 
 
 def mixture_scene(blend: Blend, seed: int) -> tuple[Scene, reference.Mixture]:
-    """Small and large ones on the sites of a compound, all energy with the small: T = 2K/(d (N - 1)) = 1."""
+    """Small and large particles that start on the sites of a compound; and what theory says of the mixture.
+
+    At the start the small ones have all of the energy, T = 2K/(d (N - 1)) = 1. blend: the state. seed: of the
+    velocities.
+    """
     dimension, eta = blend
     basis = np.array([[0.0] * dimension, *_SMALL_SITES[dimension]])
     grid = np.stack(np.meshgrid(*[np.arange(CELLS[dimension])] * dimension, indexing="ij"), axis=-1)

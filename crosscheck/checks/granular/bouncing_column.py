@@ -55,7 +55,10 @@ def _column(gap: float, duration: float) -> Scene:
 
 
 class Column(NamedTuple):
-    """Of beads of mass 1 in a field 1: K + U, from U = 0 where all lie on the floor; height of the centre of mass."""
+    """Of beads of mass 1 and diameter 1 under gravity 1: `energy` and `height` of the centre of mass.
+
+    energy: K + U, with U = 0 where all beads lie on the floor. height: above the floor.
+    """
 
     energy: float
     height: float

@@ -29,9 +29,10 @@ RESOLUTION = 0.025
 
 
 def relaxed(laboratory: Laboratory, scene: Scene, purpose: str, time: float) -> Scene:
-    """The scene from an equilibrium state: elastic hard spheres have run from its lattice for `time`.
+    """The scene with another initial state, in equilibrium: that of elastic hard spheres, run from its lattice.
 
-    purpose: seeds the lattice's velocities.
+    laboratory: runs them, event-driven, on the reference engine. scene: hard spheres that start on a lattice in a box.
+    purpose: gives the lattice's velocities a seed of their own. time: of that run.
     """
     assert isinstance(scene.initial, Lattice)
     lattice = scene.initial.model_copy(update={"seed": laboratory.seed(purpose)})
@@ -47,7 +48,7 @@ def relaxed(laboratory: Laboratory, scene: Scene, purpose: str, time: float) -> 
 
 
 def energies(run: Run) -> Floats:
-    """Kinetic energy at the samples, (samples,)."""
+    """Kinetic energy of `run` at the samples, (samples,)."""
     return run["kinetic_energy"]
 
 

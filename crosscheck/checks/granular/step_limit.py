@@ -32,7 +32,10 @@ _BISECTED = 2e-5
 
 
 def bisect(explodes: Callable[[float], bool], low: float, high: float, width: float) -> float:
-    """The place from where on it explodes, to `width`. ValueError unless it lies between low and high."""
+    """The smallest argument at which `explodes` holds, to within `width`.
+
+    ValueError unless it lies between `low`, where it must not hold, and `high`, where it must.
+    """
     if explodes(low) or not explodes(high):
         raise ValueError(f"the limit does not lie between {low} and {high}")
     while high - low > width:

@@ -31,7 +31,11 @@ FHP = "fhp_saturated"
 
 
 class Box(NamedTuple):
-    """Density of the columns of cells, (runs, samples, cells along x), in excess of the mean; times (samples,)."""
+    """Density of the columns of cells of a lattice gas in a box.
+
+    times: of the samples, (samples,), steps. strips: density of each column of cells in excess of the mean, (runs,
+    samples, cells along x). columns: of sites of the lattice, along x.
+    """
 
     times: Floats
     strips: Floats

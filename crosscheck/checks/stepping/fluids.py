@@ -52,7 +52,8 @@ def fluid(
 ) -> Scene:
     """A periodic cube of Lennard-Jones particles that starts on a face-centred cubic lattice.
 
-    density, temperature, cutoff, duration: in reduced units. seed: of the velocities.
+    number: of particles. density, temperature, cutoff, duration: in reduced units. seed: of the velocities. truncation:
+    the form of the potential at the cutoff, as in `LennardJones`.
     """
     return Scene(
         name=f"lennard-jones-{number}",
@@ -68,7 +69,10 @@ def fluid(
 
 
 def shaken(scene: Scene, amplitude: float, seed: int) -> Scene:
-    """The scene with every particle displaced at random, at rest, asking for forces, energy and virial."""
+    """The scene with every particle displaced at random, at rest, asking for forces, energy and virial.
+
+    amplitude: standard deviation of each coordinate (length). seed: of the displacements.
+    """
     state = scene.initial_state()
     rng = np.random.default_rng(seed)
     positions = state.positions + rng.normal(scale=amplitude, size=state.positions.shape)
@@ -90,7 +94,7 @@ def shaken(scene: Scene, amplitude: float, seed: int) -> Scene:
 
 
 class StatePoint(NamedTuple):
-    """Density and temperature, in reduced units."""
+    """A state of the fluid: `density` and `temperature`, in reduced units."""
 
     density: float
     temperature: float
@@ -112,7 +116,10 @@ def _temperature_of(scene: Scene, kinetic: Floats | float) -> Floats | float:
 
 
 def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
-    """A liquid at the state point: melted by `refimpl`, velocities scaled ten times, then left alone."""
+    """A liquid at the state `point`: melted by `refimpl`, velocities scaled ten times, then run on unscaled.
+
+    laboratory: runs it.
+    """
     density, temperature = point
     scene = fluid(PARTICLES, density, 2 * temperature, laboratory.seed(), cutoff=CUTOFF, duration=100 * AVERAGE.step)
     for _ in range(10):
@@ -129,7 +136,7 @@ def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
 
 
 def series(scene: Scene, run: Run) -> dict[str, Floats]:
-    """T, u = U/N and p at every sample, without long-range corrections."""
+    """T, u = U/N and p at every sample of `run`, each (samples,), without long-range corrections; scene: that run."""
     return {
         "T": np.asarray(_temperature_of(scene, run["kinetic_energy"])),
         "u": run["potential_energy"] / scene.number,
