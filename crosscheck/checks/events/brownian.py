@@ -237,7 +237,7 @@ CHECKS = (
         name="events/brownian",
         title="Brownian motion: friction, velocity autocorrelation and speeds of a heavy particle in a bath",
         equation="C(t) = <v_x(0) v_x(t)> ~ (T/M) exp(-gamma t), Enskog's gamma; <v^2> = d T/M (1 - M/M_total)",
-        criterion="within the standard error over the runs, of g at contact, and of particles that come back",
+        criterion="within the standard error over runs, and the uncertainty of g at contact and of repeated collisions",
         citation="Hansen & McDonald, Theory of Simple Liquids; Chapman & Cowling (1970); Uhlenbeck & Ornstein, Phys. "
         "Rev. 36, 823 (1930)",
         judge=_judge,

@@ -1,4 +1,4 @@
-"""What checks of driven and confined systems share: runs in a row, means over them, energy budgets, figures."""
+"""What checks of driven and confined systems share: consecutive runs, means over them, energy budgets, figures."""
 
 from __future__ import annotations
 

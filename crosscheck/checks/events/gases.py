@@ -13,11 +13,11 @@ from crosscheck.engines.protocol import Run
 from crosscheck.references.hard_spheres import collision_rate, number_density
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene
 
-#: Of every `gas`: what is asked for selects the compiled loop, and one is enough.
+#: Observables of every `gas`: the same everywhere, so that all scenes share one compiled loop.
 TALLIES: tuple[Observable, ...] = ("collisions", "collisional_virial", "wall_impulse", "wall_collisions")
 #: Intervals of a run that are left out while it settles, and those whose averages are taken.
 SETTLING, BLOCKS = 10, 50
-#: Lattices of the start: as far from the fluid as from the crystal, and soon gone.
+#: Lattices of the start, which melt soon: neither fluid nor close-packed.
 LATTICE = {2: "square", 3: "sc"}
 #: Numbers of particles of the periodic gases, by dimension.
 PERIODIC = {2: 1024, 3: 1000}

@@ -16,7 +16,7 @@ from crosscheck.references.hard_spheres import finite_collision_rate
 from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Judged, statistical, worst
 
-#: Collisions of each particle before the measurement: smooth grains forget their Maxwell start soon.
+#: Collisions of each particle before the measurement: their Maxwell distribution at the start relaxes soon.
 WARM = 10.0
 #: (dimension, alpha): packing fraction. The more inelastic, the more dilute, so that a box shorter than the clustering
 #: length still holds hundreds of grains.

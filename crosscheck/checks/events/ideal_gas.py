@@ -22,7 +22,7 @@ from crosscheck.verdict import Judged, Judgement, bounded, round_off, statistica
 #: Number of disks between hard walls. The reference holds to n = 0.127 (eta = 0.1); at n = 0.2 its uncertainty, which
 #: grows as eta^2, is meant to cover its error.
 WALLED = 400
-#: Of the positions of a twin, relative to the box: some 450 roundings of a coordinate.
+#: Disturbance of a second run's positions, relative to the box: some 450 roundings of a coordinate.
 DISTURBANCE = 1e-13
 
 
@@ -167,7 +167,7 @@ def _judge_scaling(laboratory: Laboratory, scaling: _Scaling) -> Judged:
 
 
 def _same_events(laboratory: Laboratory, scaling: _Scaling, seed: int) -> list[Judgement]:
-    """Positions after the same number of collisions, N/4: no further apart than those of a twin disturbed a little."""
+    """Positions after the same number of collisions, N/4: no further apart than if slightly disturbed."""
     output = Output(collisions=(WALLED // 16, WALLED // 8, WALLED // 4), observables=TALLIES, trajectory=True)
     scenes = [gas(2, WALLED, scaling.density, seed, output, 1e9, hard=True, speed=speed) for speed in scaling.speeds]
     state, lengths = scenes[0].initial_state(), scenes[0].lengths()

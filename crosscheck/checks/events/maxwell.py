@@ -68,8 +68,9 @@ def _judge(laboratory: Laboratory, gases: _Speeds) -> Judged:
     figures = _figures(gases, speeds, means, errors)
     rise = float(np.diff(distances).max())
     judgements.append(bounded("largest rise of that distance", rise, noise, why, figures=figures))
-    shown = ", ".join(f"{distance:.4f}" for distance in distances)
-    return worst(judgements, f"distances from Maxwell {shown}; {runs} runs of {number}, n = {DILUTE}")
+    earlier = zip(distances[:-1], COUNTS, strict=False)
+    shown = ", ".join(f"{distance:.4f} ({count:g} N)" for distance, count in earlier)
+    return worst(judgements, f"earlier distances from Maxwell {shown}; {runs} runs of {number}, n = {DILUTE}")
 
 
 def _distance(speeds: Floats, dimension: int, temperature: float) -> float:

@@ -86,7 +86,7 @@ def _judge(laboratory: Laboratory, blend: Blend) -> Judged:
     number, species, masses = scene.number, np.array(scene.species), np.array(scene.masses)
     excess = correlated_mean(rates(run, run["collisional_virial"]) / (d * number))
     rate = correlated_mean(2 * rates(run, run["collisions"]) / number)
-    # there is no theory of finite N for mixtures: that of one species as dense, wholly in doubt
+    # no theory of finite N for mixtures: the correction for one species as dense, uncertain by all of it
     infinite = compressibility(eta, d).value
     few = finite_compressibility(eta, number, d).value - infinite
     z = reference.mixture_compressibility(known, d)

@@ -1,4 +1,4 @@
-"""Scenes of grains over a floor, one or many that do not hit each other; what is read off them."""
+"""Scenes of grains over a floor, one or many that do not hit each other, and figures of their impacts."""
 
 from __future__ import annotations
 

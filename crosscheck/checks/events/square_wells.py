@@ -12,7 +12,7 @@ from crosscheck.engines.protocol import Run
 from crosscheck.references.square_well import WIDTH
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, Well
 
-#: Of every scene: what is asked for selects the compiled loop, and one is enough.
+#: Observables of every scene: the same everywhere, so that all scenes share one compiled loop.
 OBSERVABLES: tuple[Observable, ...] = (
     "kinetic_energy",
     "potential_energy",
@@ -22,7 +22,7 @@ OBSERVABLES: tuple[Observable, ...] = (
     "potential_energy_integral",
 )
 WORDS = "hard_spheres.well box.boundaries=periodic"
-#: Of the checks that look at positions.
+#: Needs of the checks that use positions.
 NEEDS_STATES = event_driven(WORDS, " ".join((*OBSERVABLES, "positions", "velocities")))
 
 

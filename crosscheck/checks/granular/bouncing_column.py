@@ -152,8 +152,8 @@ def _judge_touching(laboratory: Laboratory) -> Judged:
             Series("Runge-Kutta", list(_RATIOS), chains, theory=True),
         ),
     )
-    pairs = ", ".join(f"{r:g}: {a:.4f} ({b:.4f})" for r, a, b in zip(_RATIOS, fine, event_driven, strict=True))
-    return worst(judgements, f"kept at gap/(v t_c), soft (event-driven): {pairs}", (figure,))
+    kept_hard = ", ".join(f"{ratio:g}: {kept:.4f}" for ratio, kept in zip(_RATIOS, event_driven, strict=True))
+    return worst(judgements, f"kept by event-driven beads, at gap/(v t_c) = {kept_hard}", (figure,))
 
 
 def _judge_column(laboratory: Laboratory, judge: Callable[[Laboratory], Judged]) -> Judged:

@@ -23,7 +23,7 @@ from crosscheck.verdict import Judged
 #: Steps of the search (time), and the states that each is run from.
 STEPS = (0.2, 0.1, 0.05, 0.025, 0.0125)
 _STATES = 64
-#: Who searches, where an event-driven engine is judged; and its search by a tree, the fastest.
+#: Engine that an event-driven one is judged beside; and its fastest scheme, a search by a tree.
 _SEARCHER, _TREE = "rebound", "collisions_tree"
 
 

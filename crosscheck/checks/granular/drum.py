@@ -169,7 +169,7 @@ def _judge_drum(laboratory: Laboratory, _: str) -> Judged:
             hard_angle,
             0.12,
             "standard errors of correlated series, all taken to t_c = 0; "
-            "contacts that endure rub differently in each law",
+            "lasting contacts slide differently under the two laws",
         )
     ]
     if laboratory.engine != REFERENCE:

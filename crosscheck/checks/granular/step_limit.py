@@ -23,7 +23,7 @@ from crosscheck.verdict import Judged, within
 
 #: Steps of a grain between two walls, and its speed, in diameters and units of omega_0.
 STABLE_STEPS, STABLE_SPEED = 4000, 1e-9
-#: Growth beyond which it explodes: just below the limit it may grow with the steps, 2 a step (a Jordan block).
+#: Growth that counts as unstable: just below the limit it may grow with the steps, 2 a step (a Jordan block).
 EXPLODED = 10.0 * STABLE_STEPS
 #: Restitutions.
 _ALPHAS = {"elastic": 1.0, "damped": 0.7, "strongly-damped": 0.05}

@@ -49,7 +49,7 @@ def _run(laboratory: Laboratory, channel: _Channel) -> Run:
 
 
 def _judge(laboratory: Laboratory, channel: _Channel) -> Judged:
-    """nu j'' = -F(y), no slip, and nu as the shear wave has it.
+    """nu j'' = -F(y), no slip, and nu that of the shear wave.
 
     The force pushes less where the gas moves, for it needs a particle to turn: its own profile F(y), counted exactly,
     is integrated twice.

@@ -102,7 +102,7 @@ def _of_ensemble(laboratory: Laboratory, name: str) -> Judged:
         h = entropy_density(counts)
         after = counts[0] + mean_collision(name, counts[0])
         rho = counts[0].sum()
-        # as scenes have it, for it enters what is measured; tests compare it with the references'
+        # refimpl's, as scenes use it: it is part of what is measured; tests compare it with the references'
         last = equilibrium_start(name, rho / velocities.channels, counts[0] @ velocities.cartesian / rho)
         first.append((h[0] - h[1]) - float(h[0] - entropy_density(after)))
         rises.append(np.diff(h))

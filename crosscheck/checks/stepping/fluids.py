@@ -1,4 +1,4 @@
-"""Lennard-Jones fluids that the checks of this group share: scenes, needs, and what a sample says of the state."""
+"""Lennard-Jones fluids that the checks of this group share: scenes, needs, and state variables at the samples."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from crosscheck.references import kepler
 from crosscheck.references.oscillator import rounding_lever
 from crosscheck.scene import Floats, Gravity, Kepler, Method, Output, Scene
 
-# Nothing is 1 that could hide a missing factor, but mu = G (m_0 + m_1) = a^3, so that n = 1 and the period is 2 pi.
+# No constant is 1, so that a missing factor shows, but mu = G (m_0 + m_1) = a^3, so that n = 1 and the period is 2 pi.
 MASSES, G, AXIS = (3.0, 1.0), 2.0, 2.0
 MU = G * sum(MASSES)
 PERIOD = 2 * np.pi
@@ -35,7 +35,7 @@ WHY_ROUNDING = "10 standard deviations of independent roundings of r and v in ev
 #: Of schemes that solve the problem exactly: sqrt(steps) as much, in case the roundings of all steps are alike.
 WHY_BIASED = "10 standard deviations of the rounding of r and v, alike in every step, carried along the orbit"
 
-#: The orbit's final states; with its samples.
+#: Needs of checks that use final states; of those that use samples too.
 ORBIT = Needs("gravity", words=frozenset({"dimension=2", "masses[]", "gravity.G"}))
 SAMPLED_ORBIT = replace(ORBIT, observables=frozenset({"positions", "velocities"}))
 
