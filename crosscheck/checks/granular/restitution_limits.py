@@ -105,9 +105,9 @@ def _judge_zero(laboratory: Laboratory) -> Judged:
 
 #: Disks of the elastic gas, packing fraction, contact time and duration in units of diameter and thermal speed.
 _GAS, _GAS_PACKING, _GAS_CONTACT, _GAS_TIME = 100, 0.3, 0.02, 4.0
-#: Steps in a contact. A contact changes the energy of the relative motion by h^2 (B_2(s) - B_2(s')), s and s' the phases
-#: of the step at its two ends, B_n Bernoulli's polynomials. The two terms are uncorrelated where B_4 of the fractional
-#: part of the steps is 0, at 0.24; elsewhere only if the steps are many.
+#: Steps in a contact. A contact changes the energy of the relative motion by h^2 (B_2(s) - B_2(s')), s and s' the
+#: phases of the step at its two ends, B_n Bernoulli's polynomials. The two terms are uncorrelated where B_4 of the
+#: fractional part of the steps is 0, at 0.24; elsewhere only if the steps are many.
 _GAS_STARTS, _GAS_STEPS = 24, (20.24, 60.24, 180.24)
 
 
