@@ -21,7 +21,7 @@ from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Judged, Judgement, statistical, worst
 
-#: Of the tracers.
+#: Mass and diameter of the tracers; the small particles have 1 and 1.
 MASS, SIZE = 50.0, 3.0
 
 

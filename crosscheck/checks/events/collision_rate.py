@@ -17,7 +17,7 @@ from crosscheck.verdict import Judged, statistical
 
 
 class _Gas(NamedTuple):
-    """eta: packing fraction; number: of particles."""
+    """A periodic gas; eta: packing fraction; number: of particles."""
 
     dimension: int
     eta: float

@@ -25,7 +25,7 @@ _WHY_MARGIN = (
 
 
 class _Scheduler(NamedTuple):
-    """name: what it is called in figures; scheme: of the method."""
+    """A scheduler; name: in figures; scheme: its name among those of the engine."""
 
     name: str
     scheme: str

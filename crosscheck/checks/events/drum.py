@@ -30,7 +30,7 @@ DRUM_RADIUS, DRUM_SAMPLE = 10.0, 0.5
 _DRUM_SPEED = 0.2
 #: The two runs; the cylinder among the faces, after x-, x+, y- and y+.
 _CONTACTS, _CYLINDER = ("t_c", "t_c/2"), 4
-#: By which the angle falls with t_c, in degrees a unit of time; measured for t_c from 6e-5 to 1e-3.
+#: Fall of the angle with t_c, in degrees a unit of time; measured for t_c from 6e-5 to 1e-3.
 _ANGLE_SLOPE = 1.06e4
 
 

@@ -16,7 +16,10 @@ from crosscheck.verdict import Judged, statistical, worst
 
 
 class _State(NamedTuple):
-    """eta: packing fraction; collisions: of pairs in the run; needed: relative deviation of Z that must be seen."""
+    """A gas.
+
+    eta: packing fraction. collisions: of pairs in its run. needed: relative deviation of Z that must be seen.
+    """
 
     dimension: int
     eta: float

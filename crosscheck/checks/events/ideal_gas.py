@@ -27,21 +27,24 @@ DISTURBANCE = 1e-13
 
 
 class _Walled(NamedTuple):
-    """Disks of speed 1: number density, and collisions of pairs in the run."""
+    """Disks of speed 1; density: number per area; collisions: of pairs in the run."""
 
     density: float
     collisions: float
 
 
 class _Scaling(NamedTuple):
-    """The same disks with several speeds V0, the first of which is 1."""
+    """The same disks with several speeds V0; density: number per area; speeds: the first is 1."""
 
     density: float
     speeds: tuple[float, ...]
 
 
 class _Pressure(NamedTuple):
-    """mean, over the blocks; residual: of the virial theorem, and its bound; impulse: per hit, over the blocks."""
+    """Pressure on the walls.
+
+    mean: over the blocks. residual: of the virial theorem. bound: of that residual. impulse: mean of a hit.
+    """
 
     mean: Mean
     residual: float

@@ -132,7 +132,7 @@ def _measure(gas: Arrangement, scene: Scene, run: Run, interval: float) -> _Meas
 
 
 class _PointGas(NamedTuple):
-    """x: density of the scatterers, which may overlap or not."""
+    """Points among scatterers, which may overlap or not; x: scatterers a unit of volume."""
 
     dimension: int
     overlapping: bool

@@ -25,7 +25,7 @@ _WAVES = ((1, 0), (0, 1), (1, 1), (1, -1), (2, 0), (0, 2))
 
 
 def _judge_snapshots(laboratory: Laboratory, judge: Callable[[Floats, float], Judged]) -> Judged:
-    """judge: of the positions of the samples, (samples, N, 2), and the length of the box."""
+    """Runs the gas; judge: of the positions at the samples, (samples, N, 2), and the length of the box."""
     scene = Scene(
         name="snapshots",
         dimension=2,

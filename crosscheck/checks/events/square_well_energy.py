@@ -20,7 +20,10 @@ SAMPLES, INTERVAL = 40, 2.5
 
 
 class _Fluid(NamedTuple):
-    """number: of particles; density per sigma^d; temperature at the start; depth, negative: a shoulder."""
+    """A fluid of square wells.
+
+    number: of particles. density: per sigma^d. temperature: at the start. depth: of the well; negative: a shoulder.
+    """
 
     dimension: int
     number: int

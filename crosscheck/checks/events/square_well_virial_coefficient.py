@@ -24,7 +24,7 @@ DILUTE_TIME, DILUTE_SAMPLES = {2: 8000.0, 3: 6000.0}, 200
 
 
 class _Gas(NamedTuple):
-    """temperature: None for that where B_2 is zero."""
+    """A dilute gas of square wells; temperature: None for that at which B_2 is zero."""
 
     dimension: int
     temperature: float | None

@@ -54,7 +54,7 @@ def hard_limit(durations: Sequence[float], means: Sequence[Mean]) -> Mean:
 
 
 class Profile(NamedTuple):
-    """share: of the grains in each bin; mean: of the quantity over them; both (blocks, bins)."""
+    """A quantity over bins of the place; share: of the grains in a bin; mean: over these; both (blocks, bins)."""
 
     share: Floats
     mean: Floats

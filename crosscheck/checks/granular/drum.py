@@ -29,7 +29,7 @@ _Law = Literal["history", "dashpot"]
 #: Contact times of soft grains, and the tangential laws that they are run with.
 _DURATIONS = (0.04, 0.02)
 _LAWS: tuple[_Law, ...] = ("history", "dashpot")
-#: Of the TC model, in the event-driven runs.
+#: Contact times of the TC model, in the event-driven runs.
 _TC_DURATIONS = (4e-4, 2e-4, 1e-4)
 #: Samples of the start, which are left out.
 _SKIP = round(15.0 / DRUM_SAMPLE)

@@ -43,7 +43,7 @@ ANGLE_RANGE = 2.5
 #: dt/t_c, down to errors far below what Coulomb's law does while the grains attract, which is
 #: mu (1 + 1/q) (alpha^(2 chi/pi) - alpha) of u'/v, 0.007 in the first variant.
 OBLIQUE_RESOLUTIONS = (1 / 160.4, 1 / 640.4, 1 / 2560.4)
-#: Of the case that is the hard rule at every angle: there the error is of order 2 in dt, and soon that of the turn.
+#: dt/t_c where the soft contact is the hard rule: the error falls with dt^2, soon below that by the turn of the normal.
 HARD_RULE_RESOLUTIONS = (1 / 10.4, 1 / 40.4, 1 / 160.4)
 
 

@@ -89,7 +89,7 @@ def _of_ensemble(laboratory: Laboratory, name: str) -> Judged:
     """Sites of a uniform gas are an ensemble: H of the mean occupations falls to that of Fermi-Dirac.
 
     The first step starts from independent channels, so the Boltzmann equation gives its fall exactly. Later ones have
-    correlations, of which the theorem knows nothing: particles that meet again.
+    correlations, since particles meet again; the theorem does not hold for these.
     """
     size, steps, members = 512, 30, 16
     velocities = VELOCITIES[name]

@@ -85,7 +85,7 @@ def _judge(laboratory: Laboratory, layers: _Layers) -> Judged:
     shares, last = _measure(laboratory, layers, shape)
     expected, changed = (np.sqrt((np.abs(one) ** 2).mean(axis=1)) for one in (shape, other))
     measured = shares * expected
-    # from where the layers prevail to a quarter of the flow's speed: beyond it the wave is no longer small
+    # from 1.5 times the first amplitude to a quarter of the flow's speed: beyond it the wave is no longer small
     window = (expected > 1.5 * expected[0]) & (expected < speed / 4)
     rates = [_rate(times[window], one[window]) for one in measured]
     rate, rate_error = independent_mean(rates)

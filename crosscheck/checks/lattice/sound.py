@@ -41,7 +41,7 @@ class _Sound(NamedTuple):
 
 
 def _sound(laboratory: Laboratory, state: State, amplitude: float, rows: int, columns: int, steps: int) -> _Sound:
-    """amplitude: over d. rows: one wavelength."""
+    """Runs standing waves and fits them; amplitude: relative to d; rows: one wavelength."""
     name, density = state
     k = wavenumber(name, rows)
     guess = first_guess(name, density, (0.0, k))

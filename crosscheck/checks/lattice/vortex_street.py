@@ -27,7 +27,11 @@ WARM, STEPS, EVERY = 20_000, 44_000, 100
 
 
 class _Wake(NamedTuple):
-    """times (samples,); velocity across the wake at two places, (2, samples); of the flow; the last field."""
+    """The wake of the plate, in links and steps.
+
+    times: (samples,). signals: velocity across the wake at two places, each (samples,). mean_speed: of the flow. last:
+    the last velocity field.
+    """
 
     times: Floats
     signals: list[Floats]
@@ -72,7 +76,7 @@ def _wake(laboratory: Laboratory, density: float) -> _Wake:
 
 
 def _judgements(wake: _Wake, g: float) -> list[Judgement]:
-    """g: the factor of the advection."""
+    """One line in the spectrum of either signal, and the Strouhal number; g: factor of the advection."""
     frequencies, shares = zip(*(_line(wake.times, signal) for signal in wake.signals), strict=True)
     duration = wake.times[-1]
     strouhal = frequencies[0] * PLATE / (g * wake.mean_speed)

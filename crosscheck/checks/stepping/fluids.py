@@ -36,7 +36,7 @@ AVERAGES = Needs(
 
 LISTS = "Allen & Tildesley, Computer Simulation of Liquids (1987), chapters 1, 2 and 5"
 POTENTIAL = "phi = 4 epsilon ((sigma/r)^12 - (sigma/r)^6), F = -phi'(r) r_ij/r, W = sum r_ij . F_ij"
-#: Of the pair kernel, where faults are planted.
+#: Line of the kernel of Lennard-Jones pairs in which faults are planted.
 FORCE_TERM = "f = q2 * q2 * (q2 * q * repulsion - attraction)"
 
 
@@ -105,7 +105,7 @@ STATE_POINTS = {
     "rho0.5-T2.0": StatePoint(0.5, 2.0),
     "rho0.3-T2.5": StatePoint(0.3, 2.5),
 }
-#: Of the averages: cutoff, method, steps of the production run and steps between samples, number of particles.
+#: Runs for averages: cutoff, method, steps of the production run and steps between samples, number of particles.
 CUTOFF, AVERAGE = 3.0, Method(scheme="velocity_verlet", dt=0.004)
 AVERAGE_STEPS, AVERAGE_EVERY, PARTICLES = 4000, 10, 500
 

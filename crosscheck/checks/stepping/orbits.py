@@ -32,7 +32,7 @@ WHY_DRIFT = "twice that of the first period: a secular part as large as the osci
 #: Standard deviations of rounding: random ones stay within 5, and a bias of the same size within twice that.
 SIGMAS = 10.0
 WHY_ROUNDING = "10 standard deviations of independent roundings of r and v in every step, carried along the orbit"
-#: Of schemes that solve the problem exactly: sqrt(steps) as much, in case the roundings of all steps are alike.
+#: For schemes that solve the problem exactly: sqrt(steps) times as much, since their roundings may all be alike.
 WHY_BIASED = "10 standard deviations of the rounding of r and v, alike in every step, carried along the orbit"
 
 #: Needs of checks that use final states; of those that use samples too.
