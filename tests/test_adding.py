@@ -68,7 +68,8 @@ def test_an_observable(copy: Path, command: COMMAND, tmp_path: Path) -> None:
     row = (
         'Observable("top_speed", "particles", ("sample",), "length/time", "largest speed",\n'
         '               needs=("velocities",),\n'
-        '               derive=lambda masses, samples: np.linalg.norm(samples["velocities"], axis=2).max(axis=1)),\n    '
+        '               derive=lambda masses, samples: np.linalg.norm(samples["velocities"], axis=2).max(axis=1)),'
+        "\n    "
     )
     table = copy / "crosscheck" / "scene" / "observables.py"
     replace(table, '_hard("collisions", ("sample",)', f'{row}_hard("collisions", ("sample",)')
