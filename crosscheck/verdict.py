@@ -7,7 +7,7 @@ order       the same, for the fitted slope of log error against log step;
 statistical |measured - expected| <= z u, with u the standard error of correlated data and z the two-sided quantile for
             the false-alarm rate `FALSE_ALARM` of one verdict;
 bound       measured <= limit (or >=);
-expected_failure  a deviation that must be there, and be seen: measured >= limit.
+expected_failure  a deviation that the check must find: measured >= limit.
 """
 
 from __future__ import annotations

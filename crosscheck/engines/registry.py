@@ -21,7 +21,7 @@ def engine_names() -> list[str]:
 
 @cache
 def _installed() -> dict[str, EntryPoint]:
-    """The entry points of engines, by name; looked up once: that reads the metadata of all installed packages."""
+    """The entry points of engines, by name; cached, since this reads the metadata of all installed packages."""
     return {point.name: point for point in entry_points(group=GROUP)}
 
 

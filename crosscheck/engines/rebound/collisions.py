@@ -49,7 +49,7 @@ def unsupported(scene: Scene) -> str | None:
     diameters, lengths = scene.diameters(), scene.lengths()
     assert diameters is not None
     if np.count_nonzero(diameters == 0) > 1:
-        return "REBOUND lets two particles of diameter 0 collide: at most one may have it"
+        return "in REBOUND two particles of diameter 0 may collide: at most one diameter may be 0"
     if "periodic" in scene.boundaries and lengths is not None and root_boxes(lengths) is None:
         return f"the box must consist of equal cubes (squares), at most {MOST_ROOT_BOXES} along an axis"
     return None

@@ -64,7 +64,7 @@ class ReboundEngine:
             return unsupported(scene)
         if scene.gravity.softening is not None:
             if method.scheme == "whfast":
-                return "WHFast needs a softening of 0"
+                return "WHFast solves Kepler's problem, which has no softening"
             if {"potential_energy", "virial"} & set(scene.output.observables):
                 return "REBOUND's energy does not contain the softening"
         if method.scheme == "whfast":
@@ -72,7 +72,7 @@ class ReboundEngine:
             if scene.number < 2:
                 return "WHFast needs at least two bodies"
             if masses[0] <= 0:
-                return "WHFast needs a positive mass of the first body, about which the others orbit"
+                return "WHFast needs a first body with mass, about which the others orbit"
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
