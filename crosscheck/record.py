@@ -121,7 +121,7 @@ def shown(line: Line) -> dict[str, Any] | None:
 
 
 def deciding(line: Line) -> list[dict[str, Any]]:
-    """The judgements with the outcome of the verdict, the worst one first; none after a skip or an error."""
+    """Judgements of a line of a record with the outcome of its verdict, the worst first; none after a skip or error."""
     first = shown(line)
     if first is None:
         return []

@@ -78,7 +78,10 @@ def unmatched(check: Check, name: str, engine: type[Engine]) -> str | None:
 
 
 def judging(check: Check, name: str, engine: type[Engine]) -> tuple[Variant, ...]:
-    """The variants of a check that judge this engine: those whose needs, and the check's own, it declares."""
+    """The variants of a check that judge an engine: those whose needs, and the check's own, it declares.
+
+    name: of the engine. engine: its class.
+    """
     if unmatched(check, name, engine) is not None:
         return ()
     return tuple(
