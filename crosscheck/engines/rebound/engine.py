@@ -54,6 +54,9 @@ class ReboundEngine:
         ),
     )
 
+    #: Thousands of steps of some hundred bodies take seconds.
+    promises = ("long_runs",)
+
     def version(self) -> str:
         import rebound
 
