@@ -44,8 +44,8 @@ def flux_phase_density(plate: ArrayLike, u: float, amplitude: float) -> Floats:
     """p(V) proportional to (u + V)_+ / sqrt(V0^2 - V^2): phases weighted with the relative speed of approach.
 
     For u >= V0 the law of a vibrating plate's first impact in the limit: the path of each particle crosses the plate's
-    once, and crossings are as dense as the relative speed. For u < V0 the path may cross more than once, and the first
-    crossing shadows the others. A particle that leaves slowly is hit again: one visit is one impact for u >= 3 V0 only.
+    once, and crossings are as dense as the relative speed. For u < V0 the path may cross more than once, of which only
+    the first is an impact. A particle that leaves slowly is hit again: one visit is one impact for u >= 3 V0 only.
     `visit_gain` has the visit as a whole.
 
     plate: V, any shape; u: speed of approach; amplitude: V0; in one unit of velocity. Gives 1/velocity.

@@ -274,8 +274,8 @@ def rough_rates(
     tangents: dT_tr/dt = (w T_tr/d) [-(1 - alpha^2) + 2 (d-1) (-c + c^2 (1 + x/q))] and dT_rot/dt = (2 (d-1) w
     T_tr/d_rot) (-c x/q + (c^2/q) (1 + x/q)). Flux-weighted means <g_n^2> = 4 T_tr, <g_t^2> = 2 (d-1) T_tr (1 + x/q).
 
-    translational, rotational: T_tr and T_rot, energy per freedom. dimension: d, 2 or 3. Gives both in energy/time.
-    Huthmann and Zippelius (1997).
+    translational, rotational: T_tr and T_rot, energy per freedom. alpha, alpha_t, q: as at the top. dimension: d, 2 or
+    3, else KeyError. rate: 1/time. Gives both in energy/time. Huthmann and Zippelius (1997).
     """
     x, c, tangents = rotational / translational, q * (1 - alpha_t) / (2 * (1 + q)), dimension - 1
     spread = 1 + x / q
@@ -291,7 +291,7 @@ def rough_ratio(alpha: float, alpha_t: float, q: float, dimension: int) -> float
     alpha_t^2)] (Huthmann and Zippelius 1997; Santos et al. 2011); for disks the positive root of the same balance,
     dln T_tr/dt = dln T_rot/dt. 1 to 8 % above simulation, `ROUGH_RATIOS`. ValueError for smooth particles.
 
-    alpha, alpha_t, q: as at the top. dimension: 2 or 3.
+    alpha, alpha_t, q: as at the top. dimension: 2 or 3, else KeyError.
     """
     if alpha_t >= 1:
         raise ValueError("the spins of smooth particles do not change: there is no such ratio")

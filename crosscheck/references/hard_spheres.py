@@ -270,7 +270,9 @@ def smooth_compressibility(eta: float, dimension: int) -> float:
 
 
 def number_correction(eta: float, number: int, dimension: int) -> float:
-    """What Z of N particles lacks: (eta/2N) P''/P' with P = eta Z(eta); see `finite_compressibility`.
+    """By how much Z of N particles is below Z of infinitely many: (eta/2N) P''/P' with P = eta Z(eta).
+
+    Derived in `finite_compressibility`.
 
     eta: packing fraction. number: N. dimension: 2 or 3.
     """

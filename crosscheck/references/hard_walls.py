@@ -108,8 +108,8 @@ def impulse_of_a_hit(temperature: float, freedoms: int, mass: float = 1.0) -> fl
 def between_walls(way: ArrayLike, room: float) -> Floats:
     """Place, from 0 to `room`, of a point that flies to and fro between two walls, after a way (any shape) from 0.
 
-    way: length flown since the wall at 0, any shape; room: between the walls, in the same unit. Geometry, a derivation
-    of its own: a triangular wave.
+    way: length flown since the wall at 0, any shape; room: between the walls, in the same unit. By derivation: a
+    triangular wave.
     """
     phase = np.asarray(way) % (2 * room)
     return np.where(phase < room, phase, 2 * room - phase)

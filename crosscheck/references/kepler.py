@@ -1,4 +1,4 @@
-"""Two bodies under Newton's gravity: the closed form, and what leap-frog steps and rounding make of it.
+"""Two bodies under Newton's gravity: the closed form, and the errors of leap-frog steps and of rounding.
 
 Coordinates are relative, r = r_1 - r_0, with mu = G (m_0 + m_1); energies are per reduced mass. At time 0 the bodies
 are at apocentre on the +x axis and move towards +y, as `crosscheck.scene.Kepler` places them. n = sqrt(mu/a^3) is the
@@ -44,7 +44,7 @@ def eccentric_anomaly(mean_anomaly: ArrayLike, eccentricity: float) -> Floats:
     """E of Kepler's equation E - e sin E = M, both in [-pi, pi], for 0 <= e < 1; to round-off in E (1 - e cos E).
 
     Newton's method on f(E) = (1 - e) E + e (E - sin E) - M. f is convex on [0, pi], so from a start to the right of the
-    root every iterate stays there and the descent ends in rounding: it cannot miss. Three bounds from the right are
+    root every iterate stays there and the descent always ends at it, to rounding. Three bounds from the right are
     M + e, M/(1 - e), and (pi^2 M/e)^(1/3) since E - sin E >= E^3/pi^2; the least of them starts it.
 
     mean_anomaly: M, radians, any shape. eccentricity: e. Gives radians, of the shape of M.
@@ -179,7 +179,7 @@ Modified = Callable[[Floats, Floats, float], Floats]
 
 
 class Shadow(NamedTuple):
-    """What a symplectic map of step dt conserves better than the energy: H + dt^power correction, to dt^(power + gain).
+    """Modified Hamiltonian of a symplectic map of step dt, H + dt^power correction, conserved to dt^(power + gain).
 
     correction: of (r, v, mu), r and v of shape (..., 2), as `kick_drift_kick`. power: of dt, the order of the map.
     gain: 2 for a reversible map, whose modified Hamiltonian has even powers of dt alone, else 1.

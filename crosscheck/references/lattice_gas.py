@@ -54,7 +54,7 @@ def shear_viscosity(model: str, density: float) -> float:
 def bulk_viscosity(model: str, density: float) -> float:
     """zeta/rho, links^2 per step: 0 without a rest particle. D. d'Humieres and P. Lallemand (1987).
 
-    model: a name of `lattice_models.MODELS`, else KeyError. density: d, 0 < d < 1.
+    model: a name of `lattice_models.MODELS`. density: d, 0 < d < 1.
     """
     d, hole = density, 1 - density
     if model == "fhp2":
@@ -79,7 +79,7 @@ def longitudinal_viscosity(model: str, density: float) -> float:
 def galilean_factor(model: str, density: float) -> float:
     """g of the term g u.grad u: (1 - 2d)/(2(1 - d)), and 7/6 of it with a rest particle. U. Frisch et al. (1987).
 
-    model: a name of `lattice_models.MODELS`, else KeyError. density: d, 0 < d < 1.
+    model: a name of `lattice_models.MODELS`. density: d, 0 < d < 1.
     """
     plain = (1 - 2 * density) / (2 * (1 - density))
     return plain * (7 / 6 if model in ("fhp2", "fhp3") else 1.0)

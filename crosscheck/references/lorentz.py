@@ -1,6 +1,6 @@
 """The Lorentz gas: a point that flies among fixed disks or spheres; free path and diffusion.
 
-dimension, d, is 2 or 3; density, n, scatterers per length^d; radius, R, of a scatterer as the point sees it; speed, v.
+dimension, d, is 2 or 3; density, n, scatterers per length^d; radius, R, of a scatterer for the point; speed, v.
 
 Literature: C. Bruin, Phys. Rev. Lett. 29, 1670 (1972); J. M. J. van Leeuwen and A. Weijland, Physica 36, 457 (1967) and
 38, 35 (1968).

@@ -30,7 +30,7 @@ T the force against it over mu m v, and ' = d/d phi, all that is left is alpha, 
 So u'/v = mu (1 + 1/q) f(x; alpha, alpha_t), and mu and q only scale what a soft contact is off the hard rule.
 
 * mu = infinity: u' = alpha_t u. "history" does not come to this as mu -> infinity at alpha < 1: where F_n turns
-  round the limit is 0 and the stretch is lost, whatever mu. `weak_slip_restitution` has what is left.
+  round the limit is 0 and the stretch is lost, whatever mu. The limit is in `weak_slip_restitution`.
 * Contacts slide at some time at every Theta > 0, as the limit is 0 within the contact, or, at alpha = 1, at its end;
   there is one exception, the last below.
 * Sliding throughout, it is the integral of |F_n| that counts: J_t = mu integral |F_n| dt, more than mu J_n. Since the
@@ -58,7 +58,7 @@ from crosscheck.references import EPSILON
 
 Floats = NDArray[np.float64]
 
-#: c = LARGEST_DAMPING[law] zeta, zeta = 1 where the grains never come apart.
+#: c = LARGEST_DAMPING[law] zeta, zeta = 1 where the contact does not end.
 LARGEST_DAMPING = {"hooke": 2.0, "hertz": math.sqrt(5)}
 
 #: Contact time of "hertz" without damping over largest overlap/v: 4 sqrt(pi) Gamma(2/5)/(5 Gamma(9/10)) = 2.943.

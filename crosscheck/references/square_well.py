@@ -297,7 +297,7 @@ STATES = (
 class CriticalPoint(NamedTuple):
     """Critical temperature and density with their published errors.
 
-    temperature: T. density: n. source: who published them, and when.
+    temperature: T. density: n. source: authors and year.
     """
 
     temperature: Estimate

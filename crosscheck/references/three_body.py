@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ThreeBodies:
-    """The states of three bodies in a plane at time 0 and at a later time; G = 1, any other unit.
+    """The states of three bodies in a plane at time 0 and at a later time; G = 1.
 
     masses: (3,). positions, velocities: (3, 2), at time 0. time: the later one. final_positions, final_velocities: (3,
     2), then. energy: total, conserved; so is the angular momentum, which is zero. sensitivity, greatest: of the final

@@ -100,7 +100,7 @@ NIST_DIFFUSION = (
 
 
 def periodic_diffusion_shift(density: float, number: float) -> float:
-    """What D of spheres in a periodic cube lacks against an infinite system: 2.837297 T/(6 pi viscosity L).
+    """By how much D of spheres in a periodic cube is below that without bounds: 2.837297 T/(6 pi viscosity L).
 
     Yeh and Hummer; the box must be long against the mean free path. T = m = sigma = 1, viscosity from Enskog's theory.
 
@@ -142,7 +142,7 @@ def sphere_diffusion(density: float, number: float = inf) -> Estimate:
 
 
 def velocity_decay_time(density: float) -> float:
-    """Time in which a sphere forgets its velocity: m D/T in Enskog's theory, T = m = sigma = 1.
+    """Decay time of a sphere's velocity autocorrelation, m D/T in Enskog's theory, T = m = sigma = 1.
 
     density: n, 1/length^3 in diameters.
     """
