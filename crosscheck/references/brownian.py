@@ -84,5 +84,7 @@ def returned_share(rate: float, time: float) -> float:
 
     rate: collisions of one particle of the bath with others of it, per time. Of those that have met the tracer, rate
     time/2 have met another since, on average; about a third of those come back to it, with half the momentum.
+
+    time: in the units of 1/rate; short, rate time well below 1.
     """
     return rate * time / 12

@@ -97,6 +97,8 @@ def line_collisions(gaps: ArrayLike, velocities: ArrayLike, alpha: float, wall: 
 
     gaps: between neighbours, (N - 1,), any unit of length; with `wall`, (N,), first that between the wall at rest, of
     the same restitution, and the first particle. velocities: (N,), positive away from the wall. alpha: of all impacts.
+
+    wall: whether there is one. Times are in units of gap over velocity.
     """
     real = np.longdouble
     gap, half = np.array(gaps, dtype=real), (1 + real(alpha)) / 2

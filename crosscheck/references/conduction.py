@@ -43,6 +43,8 @@ def fourier_profile(
 
     places: (cells,), ascending. density, temperature: (cells,), between which n and T are taken linear; at x = `middle`
     the result is T. flux: q, energy per time and area (of disks: length). dimension: 2 or 3. Gives x and T, (401,).
+
+    middle: a place, within `places`, length.
     """
     x, n, t = (np.asarray(values, dtype=np.float64) for values in (places, density, temperature))
     fine = np.linspace(x[0], x[-1], 401)

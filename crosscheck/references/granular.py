@@ -125,6 +125,8 @@ def sliding_slip(slip: ArrayLike, alpha: float, kinetic_friction: float, q: floa
 
     g'_t/|g_n| = g_t/|g_n| - kinetic_friction (1 + alpha) (1 + 1/q), along the slip before (Foerster et al. 1994); one
     that sticks has alpha_t g_t/|g_n|. slip: g_t/|g_n| before, any shape, above `sliding_limit`. q = I/(m R^2).
+
+    alpha: 0 to 1. kinetic_friction: a coefficient.
     """
     return np.asarray(np.asarray(slip, dtype=np.float64) - kinetic_friction * (1 + alpha) * (1 + 1 / q))
 

@@ -261,7 +261,7 @@ def energy_rounding(eccentricity: float, periods: float, per_period: float) -> f
     r and v are rounded by eps/sqrt(12) of themselves; that changes the energy by r.a and v.v, which are at most
     (1 + e)/(1 - e) n^2 a^2, and |E| = n^2 a^2/2. A random walk: the deviation grows as steps^(1/2) (Brouwer).
 
-    eccentricity: e, 0 <= e < 1.
+    eccentricity: e, 0 <= e < 1. periods: length of the run. per_period: roundings a period.
     """
     walk = np.sqrt(2 / 12 * per_period * periods)
     return float(EPSILON * walk * 2 * (1 + eccentricity) / (1 - eccentricity))
@@ -272,7 +272,7 @@ def momentum_rounding(eccentricity: float, periods: float, per_period: float) ->
 
     r v <= n a^2 on the orbit, and L = n a^2 sqrt(1 - e^2). Central kicks change L by rounding alone.
 
-    eccentricity: e, 0 <= e < 1.
+    eccentricity: e, 0 <= e < 1. periods: length of the run. per_period: roundings a period.
     """
     return float(EPSILON * np.sqrt(2 / 12 * per_period * periods / (1 - eccentricity**2)))
 

@@ -312,6 +312,8 @@ def rounding_error(steps: float) -> float:
 
     Each is rounded by eps/sqrt(12) of itself in every step, and turns with the phase from then on: a random walk
     (D. Brouwer, Astron. J. 46, 149 (1937)).
+
+    steps: how many.
     """
     return float(EPSILON * (2 / 12 * steps) ** 0.5)
 
