@@ -135,7 +135,7 @@ def dissipated_energy(normal: ArrayLike, tangential: ArrayLike, alpha: float, al
     """Energy lost by like bodies of mass 1 that stick: ((1 - alpha^2) g_n^2 + (q/(1+q)) (1 - alpha_t^2) g_t^2)/4.
 
     normal, tangential: g_n and g_t before the impact, of shapes that broadcast, in one unit of velocity. Gives a
-    velocity squared (mass 1).
+    velocity squared (mass 1). alpha, alpha_t, q: as at the top. Derivation: the energy before less that after `impact`.
     """
     n, t = np.asarray(normal, dtype=np.float64), np.asarray(tangential, dtype=np.float64)
     return np.asarray(0.25 * ((1 - alpha**2) * n**2 + q / (1 + q) * (1 - alpha_t**2) * t**2))
