@@ -45,9 +45,12 @@ Variants = tuple[Variant, ...] | Callable[[Mapping[str, Claims]], Iterable[Varia
 
 @dataclass
 class Laboratory:
-    """Where one check judges one engine: runs scenes, adds up what they cost, hands out seeds.
+    """What a check's `judge` works with, for one case: it runs scenes, adds up their cost, and derives random seeds.
 
-    engine: the engine under judgement. claims: what it says of its schemes.
+    engine: name of the engine under judgement. claims: what that engine declares of its schemes, by scheme. pool: the
+    worker processes that engines run in. case: `check/variant`, from which all seeds of the case are derived.
+    suite_seed: seed of the whole run of the suite, from which they are derived too. cost: of all runs so far, summed;
+    of the peak memory, the largest.
     """
 
     engine: str
@@ -58,9 +61,11 @@ class Laboratory:
     cost: Cost = field(default_factory=Cost)
 
     def run(self, scene: Scene, method: Method | Kind, engine: str | None = None) -> Run:
-        """Runs `scene` on the engine under judgement, or on another one as its reference.
+        """Runs `scene`, and adds the cost of the run to `cost`.
 
-        method: or the kind of scheme, of which the engine's first one for this interaction is taken.
+        method: or a kind of scheme, of which the engine's first one for this interaction is taken. engine: name of
+        another engine, as a reference; by default that under judgement. Unsupported if the engine has no scheme of that
+        kind for this interaction; the errors of the engine (see `crosscheck.errors`) pass through.
         """
         name = engine or self.engine
         run = self.pool.worker(name).run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
@@ -70,7 +75,10 @@ class Laboratory:
         return run
 
     def seed(self, purpose: str = "") -> int:
-        """A seed from the check's identity and the suite's seed: the same case always gets the same one."""
+        """A seed of 32 bits, derived from `suite_seed`, `case` and `purpose`: for the same three always the same.
+
+        purpose: tells several seeds of one case apart, such as those of independent runs.
+        """
         text = f"{self.suite_seed}/{self.case}/{purpose}"
         return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4])
 
@@ -86,10 +94,12 @@ def _of_kind(engine: str, scene: Scene, kind: Kind) -> Method:
 class Check:
     """One phenomenon: scene, observable, reference and criterion.
 
-    name: `group/phenomenon`; a variant (a scheme, an eccentricity ...) is appended to it. judge: measures one variant,
-    given its value. variants: see `Variants`. needs: what an engine must declare to be judged, own or foreign; several:
-    all of them. faults: (variant, planted bug of `refimpl` that must turn it red). reference: engines, one or several,
-    that this check compares with, and therefore does not judge. timing: run alone, nothing else beside it.
+    name: `group/phenomenon`; a variant (a scheme, an eccentricity ...) is appended to it. title: the phenomenon in one
+    line. equation: what is compared, as a formula in plain text. criterion: what passes, in words. citation: the
+    literature. judge: measures one variant, given a laboratory and the variant's value. variants: see `Variants`.
+    needs: what an engine must declare to be judged, own or foreign; several: all of them. faults: (variant, planted bug
+    of `refimpl` that must turn it red). reference: engines, one or several, that this check compares with, and
+    therefore does not judge. timing: run alone, nothing else beside it.
     """
 
     name: str
@@ -105,22 +115,22 @@ class Check:
     timing: bool = False
 
     def offered(self, schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
-        """The variants for an engine with these schemes."""
+        """The variants for an engine with these schemes; schemes: its claims, by scheme."""
         return self.variants if isinstance(self.variants, tuple) else tuple(self.variants(schemes))
 
 
 def quick(*names: str, **values: Any) -> tuple[Variant, ...]:
-    """Variants of the quick tier, whose value is their name, or the one given."""
+    """Variants of the quick tier: `names`, whose value is the name itself, then `values`, each with the value given."""
     return variants_of({**dict(zip(names, names, strict=True)), **values}, "quick")
 
 
 def full(*names: str, **values: Any) -> tuple[Variant, ...]:
-    """Variants of the full tier, whose value is their name, or the one given."""
+    """Variants of the full tier: `names`, whose value is the name itself, then `values`, each with the value given."""
     return variants_of({**dict(zip(names, names, strict=True)), **values}, "full")
 
 
 def variants_of(values: Mapping[str, Any], tier: Tier = "quick") -> tuple[Variant, ...]:
-    """Variants by name, all of one tier."""
+    """Variants of one `tier`; values: the value of each, by the variant's name."""
     return tuple(Variant(name, value, tier) for name, value in values.items())
 
 
@@ -128,7 +138,10 @@ def schemes_with(
     accept: Callable[[str, Claims], bool] = lambda name, claims: True,
     tier: Callable[[str], Tier] = lambda name: "quick",
 ) -> Callable[[Mapping[str, Claims]], Iterable[Variant]]:
-    """One variant per scheme of the engine that takes time steps under forces and that `accept` accepts."""
+    """One variant per scheme of the engine that takes time steps under forces and that `accept` accepts.
+
+    accept: of a scheme's name and claims. tier: that of the variant, by the scheme's name.
+    """
     return lambda schemes: (
         Variant(name, name, tier(name))
         for name, claims in schemes.items()
@@ -137,5 +150,5 @@ def schemes_with(
 
 
 def soft(**contact: Any) -> Method:
-    """Hard spheres as soft ones, with these entries of a `Contact`."""
+    """The method that runs hard spheres as soft ones by velocity Verlet; contact: entries of a `scene.Contact`."""
     return Method(scheme="velocity_verlet", contact=Contact(**contact))

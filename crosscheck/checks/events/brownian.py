@@ -26,10 +26,11 @@ MASS, SIZE = 50.0, 3.0
 
 
 class Bath(NamedTuple):
-    """sites: of the lattice, all but `tracers` of them small particles; number density of the bath; time of a run.
+    """A bath of small particles with some large ones, the tracers, in `dimension` dimensions; small diameter, mass 1.
 
-    early: when the initial decay is read off: several collisions of the tracer, and less than the bath needs to come
-    back to it.
+    sites: of the lattice, one particle each. tracers: number of large particles. density: number of particles a unit of
+    volume. duration: of a run (time). early: time at which the initial decay is measured: several collisions of the
+    tracer, and too short for the momentum it gave to the bath to act on it again.
     """
 
     dimension: int
@@ -46,7 +47,10 @@ RUNS = 16
 
 
 def brownian(bath: Bath, seed: int, interval: float) -> Scene:
-    """A lattice wide enough for the large particles, which are spread evenly over its sites."""
+    """A lattice wide enough for the large particles, which are spread evenly over its sites.
+
+    bath: what is run. seed: of the velocities. interval: between samples (time).
+    """
     dimension = bath.dimension
     species = np.zeros(bath.sites, dtype=int)
     species[(np.arange(bath.tracers) * bath.sites) // bath.tracers + bath.sites // (2 * bath.tracers)] = 1
@@ -82,7 +86,7 @@ class _Decay(NamedTuple):
     speeds: Floats
 
 
-def theory(bath: Bath) -> Tracers:
+def _theory(bath: Bath) -> Tracers:
     """Enskog's theory of the tracers in this bath."""
     return tracers_in_bath(bath.density, bath.sites - bath.tracers, bath.tracers, SIZE, MASS, bath.dimension)
 
@@ -112,7 +116,7 @@ def _tracers(scene: Scene, run: Run) -> Floats:
 
 def _judge(laboratory: Laboratory, bath: Bath) -> Judged:
     """Initial decay and equipartition, in space also the decay after 1/gamma; the runs are the independent samples."""
-    known = theory(bath)
+    known = _theory(bath)
     decay = _decays(laboratory, bath, 2 / known.gamma)
     model = known.autocorrelation(decay.time)
     why = f"standard error over {RUNS} runs"
@@ -233,7 +237,7 @@ CHECKS = (
         name="events/brownian",
         title="Brownian motion: friction, velocity autocorrelation and speeds of a heavy particle in a bath",
         equation="C(t) = <v_x(0) v_x(t)> ~ (T/M) exp(-gamma t), Enskog's gamma; <v^2> = d T/M (1 - M/M_total)",
-        criterion="within the standard error over the runs, of g at contact, and of particles that come back",
+        criterion="within the standard error over runs, and the uncertainty of g at contact and of repeated collisions",
         citation="Hansen & McDonald, Theory of Simple Liquids; Chapman & Cowling (1970); Uhlenbeck & Ornstein, Phys. "
         "Rev. 36, 823 (1930)",
         judge=_judge,

@@ -16,7 +16,7 @@ from crosscheck.statistics import correlated_mean
 from crosscheck.verdict import Judged, statistical
 
 
-class Gas(NamedTuple):
+class _Gas(NamedTuple):
     """eta: packing fraction; number: of particles."""
 
     dimension: int
@@ -28,14 +28,14 @@ class Gas(NamedTuple):
 COLLISIONS = 2e6
 #: Other states than those of the equation of state; the small ones test the dependence on N.
 _GASES = {
-    **{f"disks-eta{eta:g}": Gas(2, eta, 1024) for eta in (0.02, 0.15, 0.35, 0.55)},
-    "disks-eta0.3-N16": Gas(2, 0.3, 16),
-    **{f"spheres-n{n:g}": Gas(3, reference.packing_fraction(n, 3), 1000) for n in (0.2, 0.4, 0.6, 0.8)},
-    "spheres-n0.4-N64": Gas(3, reference.packing_fraction(0.4, 3), 64),
+    **{f"disks-eta{eta:g}": _Gas(2, eta, 1024) for eta in (0.02, 0.15, 0.35, 0.55)},
+    "disks-eta0.3-N16": _Gas(2, 0.3, 16),
+    **{f"spheres-n{n:g}": _Gas(3, reference.packing_fraction(n, 3), 1000) for n in (0.2, 0.4, 0.6, 0.8)},
+    "spheres-n0.4-N64": _Gas(3, reference.packing_fraction(0.4, 3), 64),
 }
 
 
-def _judge(laboratory: Laboratory, gas: Gas) -> Judged:
+def _judge(laboratory: Laboratory, gas: _Gas) -> Judged:
     d, eta, number = gas
     run = run_periodic(laboratory, d, eta, number, COLLISIONS)
     rate = correlated_mean(2 * rates(run, run["collisions"]) / number)

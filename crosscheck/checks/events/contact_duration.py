@@ -1,4 +1,4 @@
-"""The TC model carries a run through an inelastic collapse: a contact that lasts is elastic."""
+"""With the TC model a run continues after an inelastic collapse: a contact that lasts is elastic."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _judge_contact_duration(laboratory: Laboratory, row: Row) -> Judged:
 CHECKS = (
     Check(
         name="events/contact-duration",
-        title="The TC model carries a run through an inelastic collapse",
+        title="With the TC model a run continues after an inelastic collapse",
         equation="alpha = 1 in a collision of a particle whose last one was less than t_c ago",
         criterion="the run reaches its end with a finite number of collisions and less energy",
         citation="Luding & McNamara, Granul. Matter 1, 113 (1998)",

@@ -61,11 +61,11 @@ class Cooling(NamedTuple):
     collisions: Floats
 
     def rates(self) -> Floats:
-        """-dT/dt/T^(3/2) of each start, mean over the intervals: 2 d(T^(-1/2))/dt."""
+        """-dT/dt/T^(3/2) of each start, (starts,), mean over the intervals: 2 d(T^(-1/2))/dt."""
         return np.asarray((2 * np.diff(self.temperatures**-0.5) / np.diff(self.times)).mean(axis=1))
 
     def losses(self) -> Floats:
-        """-dln T/ds of each start."""
+        """-dln T/ds of each start, (starts,), s the number of collisions of a particle."""
         t = self.temperatures
         return np.asarray(np.log(t[:, 0] / t[:, -1]) / (self.collisions[-1] - self.collisions[0]))
 
@@ -76,8 +76,9 @@ def cool(
 ) -> Cooling:  # fmt: skip
     """Lets `STARTS` gases cool for `warm` collisions a particle, and then for `span` more, which are measured.
 
-    alpha: restitution; friction: of rough grains, or None. packing: fraction. loss: of ln T per collision of a
-    particle, expected: it sets the number of grains, so that the box is shorter than vortices need.
+    laboratory: runs them on the engine under judgement. dimension: 2 or 3. alpha: coefficient of restitution. friction:
+    of rough grains, or None. packing: fraction. loss: of ln T per collision of a particle, expected: it sets the number
+    of grains, so that the box is shorter than vortices need.
     """
     number = _number(loss, packing, dimension)
     wanted = number / 2 * (warm + span * np.arange(INTERVALS + 1) / INTERVALS)

@@ -24,14 +24,14 @@ _WHY_MARGIN = (
 )
 
 
-class Scheduler(NamedTuple):
+class _Scheduler(NamedTuple):
     """name: what it is called in figures; scheme: of the method."""
 
     name: str
     scheme: str
 
 
-def _judge_tree(laboratory: Laboratory, scheduler: Scheduler) -> Judged:
+def _judge_tree(laboratory: Laboratory, scheduler: _Scheduler) -> Judged:
     """Exact comparisons per event against N: which law fits them best."""
     costs, errors, other, times = [], [], [], []
     for number in SIZES:
@@ -182,7 +182,7 @@ CHECKS = (
         criterion=f"log N explains the exact counts better than constant, sqrt N and N: BIC by {_MARGIN:g} at least",
         citation="Marin, Risso & Cordero, J. Comput. Phys. 103, 306 (1993); Marin & Cordero, CPC 92, 214 (1995)",
         judge=_judge_tree,
-        variants=full(tree=Scheduler("tree", "event_driven"), lists=Scheduler("lists", "event_driven_lists")),
+        variants=full(tree=_Scheduler("tree", "event_driven"), lists=_Scheduler("lists", "event_driven_lists")),
         needs=event_driven(_WORDS, "operation_counts events", ("event_driven", "event_driven_lists")),
         faults=(("tree", LINEAR_SCAN),),
         timing=True,

@@ -1,4 +1,4 @@
-"""What checks of driven and confined systems share: runs in a row, means over them, energy budgets, figures."""
+"""What checks of driven and confined systems share: consecutive runs, means over them, energy budgets, figures."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def run_whole(
 ) -> Run:
     """The scene for all of its duration; EngineError if it ended early, by inelastic collapse, or diverged.
 
-    engine: another one than that under judgement.
+    laboratory: runs it. method: or a kind of scheme. engine: another one than that under judgement.
     """
     run = laboratory.run(scene, method, engine)
     if run.stopped or run.diverged:
@@ -53,7 +53,8 @@ def run_whole(
 def run_on(laboratory: Laboratory, scene: Scene, stretches: int, warm_up: float) -> list[Run]:
     """The scene for its duration, `stretches` times, each from the end of the one before, after a time `warm_up`.
 
-    Fields are measured over each stretch anew, which gives them standard errors.
+    Fields are measured over each stretch anew, which gives them standard errors. laboratory: runs it, event-driven, and
+    gives the seeds of the scene. EngineError as in `run_whole`.
     """
     run = run_whole(laboratory, scene.changed(duration=warm_up, output=Output(), seed=laboratory.seed("warm-up")))
     found = []
@@ -65,9 +66,10 @@ def run_on(laboratory: Laboratory, scene: Scene, stretches: int, warm_up: float)
 
 
 def column(number: int, width: float, kinetic: float, duration: float, seed: int) -> Scene:
-    """Elastic disks under gravity 1 on an elastic floor at rest, periodic sideways, open above; size, mass 1.
+    """Elastic disks under gravity 1 on an elastic floor at rest, periodic sideways, open above; diameter and mass 1.
 
-    number: of disks. width: of the floor. kinetic: temperature at the start. seed: of the velocities.
+    number: of disks. width: of the floor. kinetic: temperature at the start. duration: of the run. seed: of the
+    velocities.
     """
     return Scene(
         name="column",
@@ -85,12 +87,12 @@ def column(number: int, width: float, kinetic: float, duration: float, seed: int
 
 
 def last(runs: list[Run], name: str) -> Floats:
-    """An observable at the end of each stretch, (stretches, ...)."""
+    """The observable `name` at the end of each stretch, (stretches, ...); runs: one a stretch."""
     return np.array([run[name][-1] for run in runs])
 
 
 def field(runs: list[Run], name: str) -> Floats:
-    """The field "field_`name`" of each stretch, (stretches, ...)."""
+    """The field "field_`name`" of each stretch, (stretches, ...); runs: one a stretch."""
     return np.array([run[f"field_{name}"] for run in runs])
 
 
@@ -106,7 +108,10 @@ def temperature(mass: Floats, momentum: Floats, kinetic: Floats) -> Floats:
 
 
 def energy_defect(run: Run) -> tuple[float, float]:
-    """Largest |change of K + U - (from walls - dissipated in pairs)| over the samples, and the largest term."""
+    """Defect of the energy budget of `run`, and the largest term of that budget.
+
+    The defect is the largest |change of K + U - (work of the walls - energy dissipated in pairs)| of all samples.
+    """
     energy = run["kinetic_energy"] + run["potential_energy"]
     supplied, lost = run["wall_energy"].sum(axis=1), run["dissipated_energy"]
     defect = energy - energy[0] - (supplied - lost)
@@ -118,7 +123,7 @@ def energy_defect(run: Run) -> tuple[float, float]:
 
 
 def energy_budget(runs: list[Run]) -> Judgement:
-    """K + U changes by what walls give less what pairs dissipate."""
+    """K + U changes by the work of the walls less the energy dissipated in pairs; runs: each with its own budget."""
     defects = [energy_defect(run) for run in runs]
     events = max(float(run["events"][-1]) for run in runs)
     return round_off(
@@ -132,7 +137,8 @@ def energy_budget(runs: list[Run]) -> Judgement:
 def steady_mean(values: ArrayLike, quantity: str, expected: float, needed: float, why: str = STEADY) -> Judgement:
     """The mean of a series, by default one value a stretch, against a number.
 
-    values: (samples,). needed: the relative deviation that must be visible.
+    values: (samples,). quantity: what is measured, in words. expected: the number. needed: the relative deviation that
+    must be visible. why: the reason of the tolerance, in words.
     """
     mean = correlated_mean(values)
     samples = mean.independent
@@ -140,7 +146,10 @@ def steady_mean(values: ArrayLike, quantity: str, expected: float, needed: float
 
 
 def significant(values: Floats, quantity: str) -> Judgement:
-    """A difference that must be positive beyond doubt, a control that the state is as meant; values: (stretches,)."""
+    """A control: the mean of `values`, (stretches,), is positive by more than chance explains.
+
+    quantity: the difference that `values` are, in words.
+    """
     from scipy.stats import t
 
     mean = correlated_mean(values)
@@ -159,29 +168,32 @@ def significant(values: Floats, quantity: str) -> Judgement:
 
 
 def curve(label: str, x: Floats, values: Floats) -> Series:
-    """Mean and standard error over stretches; x: (points,), values: (stretches, points)."""
+    """Mean and standard error over stretches; x: (points,), values: (stretches, points); label: of the curve."""
     error = standard_error(values)
     return Series(label, x.tolist(), values.mean(axis=0).tolist(), error.tolist())
 
 
 def field_figure(title: str, values: Floats, frame: Frame | RoundFrame, label: str) -> Figure:
-    """A field on its container; values: (nx, ny). label: of the colours."""
+    """A map of the field `values`, (nx, ny); title: of the figure; frame: the container; label: of the colours."""
     return Figure(title, "x", "y", map=FieldMap(values.T.tolist(), frame, label))
 
 
 def snapshot_figure(
     title: str, run: Run, frame: Frame | RoundFrame, period: float, values: Floats, label: str
 ) -> Figure:
-    """Disks of diameter 1 at the end of a run, coloured by `values`, (N,); label: of these. period: of x, or 0."""
+    """Disks of diameter 1 at the end of `run`, coloured by `values`, (N,); label: of these.
+
+    title: of the figure. frame: the container. period: of x, or 0.
+    """
     x, y = wrapped(run["final_positions"], np.array([period, 0.0])).T
     ends = (0.0, float(np.nanquantile(values, 0.98)))
     return Figure(title, "x", "y", snapshot=Snapshot(x.tolist(), y.tolist(), 0.5, frame, values.tolist(), label, ends))
 
 
 def local_temperature(run: Run, reach: float, period: float) -> Floats:
-    """(<v^2> - <v>^2)/2 of each disk with its neighbours within `reach`, (N,); NaN for a lone one.
+    """(<v^2> - <v>^2)/2 over each disk and its neighbours within `reach`, (N,); NaN for a disk without neighbours.
 
-    period: of x, or 0.
+    run: of which the final state is taken. period: of x, or 0.
     """
     from scipy.spatial import cKDTree
 

@@ -15,7 +15,7 @@ from crosscheck.statistics import correlated_mean
 from crosscheck.verdict import Judged, statistical, worst
 
 
-class State(NamedTuple):
+class _State(NamedTuple):
     """eta: packing fraction; collisions: of pairs in the run; needed: relative deviation of Z that must be seen."""
 
     dimension: int
@@ -24,7 +24,7 @@ class State(NamedTuple):
     needed: float
 
 
-def _judge(laboratory: Laboratory, state: State) -> Judged:
+def _judge(laboratory: Laboratory, state: _State) -> Judged:
     """Z from impulses; and from the number of collisions, which differ by the mean impulse of a collision."""
     d, eta, collisions, needed = state
     number = PERIODIC[d]
@@ -86,11 +86,11 @@ def _virial_fault(percent: float) -> Fault:
 
 #: The reference is uncertain by 0.4 % at eta = 0.65: a deviation of 2 % must be seen there.
 _DISKS = {
-    f"disks-eta{eta:g}": State(2, eta, 4e6, 0.02 if eta == 0.65 else 0.005)
+    f"disks-eta{eta:g}": _State(2, eta, 4e6, 0.02 if eta == 0.65 else 0.005)
     for eta in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65)
 }
 _SPHERES = {
-    f"spheres-n{n:g}": State(3, reference.packing_fraction(n, 3), 4e6, 0.005) for n in (0.1, 0.3, 0.5, 0.7, 0.9)
+    f"spheres-n{n:g}": _State(3, reference.packing_fraction(n, 3), 4e6, 0.005) for n in (0.1, 0.3, 0.5, 0.7, 0.9)
 }
 
 CHECKS = (
@@ -103,7 +103,7 @@ CHECKS = (
         "Reference Simulation Website",
         judge=_judge,
         variants=(
-            *quick(**{"spheres-n0.4": State(3, reference.packing_fraction(0.4, 3), 4e5, 0.012)}),
+            *quick(**{"spheres-n0.4": _State(3, reference.packing_fraction(0.4, 3), 4e5, 0.012)}),
             *full(**_DISKS, **_SPHERES),
         ),
         needs=event_driven("box.boundaries=periodic", " ".join(TALLIES)),

@@ -30,7 +30,10 @@ from crosscheck.verdict import Judged, round_off, worst
 
 
 def through_faces(flux: Floats) -> Floats:
-    """What comes in through the two faces of each cell along every axis; flux: (d, nx, ny(, nz), ...)."""
+    """Net inflow into each cell through its faces, (nx, ny(, nz), ...).
+
+    flux: along each axis, through the lower face of each cell, (d, nx, ny(, nz), ...).
+    """
     return np.asarray(sum(flux[axis] - np.roll(flux[axis], -1, axis) for axis in range(len(flux))))
 
 
@@ -62,8 +65,11 @@ def cell_budgets(run: Run, acceleration: Floats) -> dict[str, float]:
     return defects
 
 
-def cell_totals(run: Run, scene: Scene) -> dict[str, float]:
-    """Defects of the sums over cells from what is known otherwise, each over its own size; run: two samples."""
+def _cell_totals(run: Run, scene: Scene) -> dict[str, float]:
+    """Difference of each sum over cells from the same quantity of the whole system, relative to its size.
+
+    run: with fields and two samples, the first and the last. scene: that of the run.
+    """
     state = scene.initial_state()
     g = np.zeros(scene.dimension) if scene.acceleration is None else np.array(scene.acceleration)
     positions, masses = run["final_positions"], state.masses
@@ -89,7 +95,7 @@ def cell_totals(run: Run, scene: Scene) -> dict[str, float]:
         "energy from walls": (run["field_wall_energy"].sum(), run["wall_energy"][-1].sum()),
         "momentum from walls": (run["field_wall_momentum"].sum(axis=cells), -run["wall_impulse"][-1].sum(axis=0)),
     }
-    # what passes zero (momentum, energy) is measured by what has gone through it
+    # sums whose terms cancel (momentum, energy) are compared relative to the size of their terms
     sizes = {
         "momentum": float(np.abs(masses[:, None] * run["final_velocities"]).sum()),
         "energy": abs(run["kinetic_energy"][-1]) + abs(field_energy),
@@ -170,7 +176,7 @@ def _judge_budget(laboratory: Laboratory, scene: Scene) -> Judged:
     ]
     judgements += [
         round_off(f"sum over cells: {name}; relative defect", error, tolerance, _WHY)
-        for name, error in cell_totals(run, scene).items()
+        for name, error in _cell_totals(run, scene).items()
     ]
     defect, size = energy_defect(run)
     judgements.append(round_off("energy of the whole: defect of its budget", defect / size, tolerance, _WHY))

@@ -13,18 +13,21 @@ from crosscheck.engines.protocol import Run
 from crosscheck.references.hard_spheres import collision_rate, number_density
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene
 
-#: Of every `gas`: what is asked for selects the compiled loop, and one is enough.
+#: Observables of every `gas`: the same everywhere, so that all scenes share one compiled loop.
 TALLIES: tuple[Observable, ...] = ("collisions", "collisional_virial", "wall_impulse", "wall_collisions")
 #: Intervals of a run that are left out while it settles, and those whose averages are taken.
 SETTLING, BLOCKS = 10, 50
-#: Lattices of the start: as far from the fluid as from the crystal, and soon gone.
+#: Lattices of the start, which melt soon: neither fluid nor close-packed.
 LATTICE = {2: "square", 3: "sc"}
 #: Numbers of particles of the periodic gases, by dimension.
 PERIODIC = {2: 1024, 3: 1000}
 
 
 def event_driven(words: str = "", observables: str = "", schemes: tuple[str, ...] = ()) -> Needs:
-    """Needs of a check of event-driven hard spheres; words and observables in one text each, apart by spaces."""
+    """Needs of a check of event-driven hard spheres.
+
+    words, observables: entries of `Needs`, each in one text, separated by spaces. schemes: that an engine must have.
+    """
     return Needs(
         "hard_spheres",
         (EVENT_DRIVEN,),
@@ -37,7 +40,8 @@ def event_driven(words: str = "", observables: str = "", schemes: tuple[str, ...
 def spheres(number: int, density: float, seed: int, **more: object) -> Scene:
     """Elastic spheres, or disks with dimension = 2, on a close-packed lattice in a periodic box, at temperature 1.
 
-    density: particles per sigma^d. more: entries of the `Scene` instead of those.
+    number: of particles. density: particles per sigma^d. seed: of the velocities. more: entries of the `Scene` instead
+    of these.
     """
     entries: dict[str, object] = {
         "name": f"hard-spheres-{number}",
@@ -70,7 +74,9 @@ def gas(
 ) -> Scene:
     """Disks or spheres of one size from a square (simple cubic) lattice: T = 1, or all of one speed.
 
-    density: particles per sigma^d. hard: between hard walls, else in a periodic box.
+    dimension: 2 or 3. number: of particles. density: particles per sigma^d. seed: of the velocities. output: what is
+    measured. duration: of the run (time). hard: between hard walls, else in a periodic box. speed: of all particles;
+    None: T = 1.
     """
     return Scene(
         name=f"hard-gas-{dimension}d",
@@ -91,22 +97,34 @@ def gas(
 
 
 def duration_of(collisions: float, number: int, eta: float, dimension: int, temperature: float = 1.0) -> float:
-    """Time in which N particles have so many pair collisions."""
+    """Time in which `number` particles have so many pair collisions: 2 collisions/(number omega), omega by Enskog.
+
+    eta: packing fraction. dimension: 2 or 3. temperature: T, with mass and diameter 1.
+    """
     return 2 * collisions / (number * collision_rate(eta, dimension, temperature).value)
 
 
 def in_blocks(duration: float, trajectory: bool = False) -> Output:
-    """The tallies, at the ends of the settling intervals and of the blocks."""
+    """The sums of `TALLIES` at the ends of the settling intervals and of the blocks.
+
+    duration: of the run (time). trajectory: positions and velocities too.
+    """
     return Output(interval=duration / (SETTLING + BLOCKS), observables=TALLIES, trajectory=trajectory)
 
 
 def rates(run: Run, tally: Floats) -> Floats:
-    """Growth per time of a cumulative sum, (samples,), in each interval after the run has settled."""
+    """Growth per time of a cumulative sum in each interval after the run has settled, (intervals,).
+
+    run: gives the times. tally: the sum at the samples, (samples,).
+    """
     return np.asarray((np.diff(tally) / np.diff(run["time"]))[SETTLING:])
 
 
 def run_periodic(laboratory: Laboratory, dimension: int, eta: float, number: int, collisions: float) -> Run:
-    """A periodic gas in equilibrium, for so many pair collisions, in blocks."""
+    """Runs a periodic gas in equilibrium, T = 1, for so many pair collisions, in blocks.
+
+    laboratory: runs it on the engine under judgement. dimension: 2 or 3. eta: packing fraction. number: of particles.
+    """
     duration = duration_of(collisions, number, eta, dimension)
     density = number_density(eta, dimension)
     scene = gas(dimension, number, density, laboratory.seed(), in_blocks(duration), duration)

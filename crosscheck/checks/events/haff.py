@@ -16,7 +16,7 @@ from crosscheck.references.hard_spheres import finite_collision_rate
 from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Judged, statistical, worst
 
-#: Collisions of each particle before the measurement: smooth grains forget their Maxwell start soon.
+#: Collisions of each particle before the measurement: their Maxwell distribution at the start relaxes soon.
 WARM = 10.0
 #: (dimension, alpha): packing fraction. The more inelastic, the more dilute, so that a box shorter than the clustering
 #: length still holds hundreds of grains.
@@ -26,14 +26,14 @@ PACKINGS = {
 }  # fmt: skip
 
 
-class Gas(NamedTuple):
+class _Gas(NamedTuple):
     """The dimension, and the coefficient of restitution."""
 
     dimension: int
     alpha: float
 
 
-def _judge_haff(laboratory: Laboratory, case: Gas) -> Judged:
+def _judge_haff(laboratory: Laboratory, case: _Gas) -> Judged:
     """The loss of temperature by collisions counted, and by time."""
     dimension, alpha = case
     packing, loss = PACKINGS[dimension, alpha], (1 - alpha**2) / dimension
@@ -99,7 +99,7 @@ HAFF = Check(
     criterion=f"{STARTS} gases shorter than half the clustering length, after {WARM:g} collisions a particle",
     citation="Haff, J. Fluid Mech. 134, 401 (1983); van Noije & Ernst, Granul. Matter 1, 57 (1998)",
     judge=_judge_haff,
-    variants=quick(**{"2d-0.9": Gas(2, 0.9)}),
+    variants=quick(**{"2d-0.9": _Gas(2, 0.9)}),
     needs=Needs(
         "hard_spheres",
         (EVENT_DRIVEN,),
@@ -112,7 +112,7 @@ HAFF = Check(
 SERIES = replace(
     HAFF,
     name="events/haff-series",
-    variants=full(**{f"{d}d-{alpha:g}": Gas(d, alpha) for d, alpha in PACKINGS if (d, alpha) != (2, 0.9)}),
+    variants=full(**{f"{d}d-{alpha:g}": _Gas(d, alpha) for d, alpha in PACKINGS if (d, alpha) != (2, 0.9)}),
     faults=(("2d-0.99", RESTITUTION_SQUARED),),
 )
 CHECKS = (HAFF, SERIES)

@@ -22,7 +22,7 @@ ROUGH_WARM = 50.0
 ROUGH_PACKINGS = {2: 0.005, 3: 0.02}
 
 
-class Rough(NamedTuple):
+class _Rough(NamedTuple):
     """The dimension, q = I/(m R^2), and the coefficients of normal and tangential restitution."""
 
     dimension: int
@@ -31,7 +31,7 @@ class Rough(NamedTuple):
     alpha_t: float
 
 
-def _judge_rough(laboratory: Laboratory, case: Rough) -> Judged:
+def _judge_rough(laboratory: Laboratory, case: _Rough) -> Judged:
     """The ratio of temperatures that the gas settles to, and its loss of temperature there."""
     dimension, q, alpha, alpha_t = case
     ratio, packing = reference.ROUGH_RATIOS[case], ROUGH_PACKINGS[dimension]
@@ -77,7 +77,7 @@ CHECKS = (
         variants=full(
             **{
                 f"{c.dimension}d-alpha{c.alpha:g}-alpha_t{c.alpha_t:g}": c
-                for c in (Rough(*one) for one in reference.ROUGH_RATIOS)
+                for c in (_Rough(*one) for one in reference.ROUGH_RATIOS)
             }
         ),
         needs=Needs(

@@ -174,7 +174,7 @@ CHECKS = (
         name="events/heat-conduction",
         title="Elastic disks and spheres between two thermal walls: flux, pressure, temperature, conductivity",
         equation="q = -kappa dT/dx, uniform; kappa of Enskog: lambda_0 b n (1/y + 3/2 + 0.8718 y) for disks",
-        criterion="standard error of stretches; the conductivity to 3 % (2D), 2 % (3D), the doubt in Enskog's theory",
+        criterion="standard error of stretches; for the conductivity also that of Enskog's theory, 3 % (2D), 2 % (3D)",
         citation="D. M. Gass, J. Chem. Phys. 54, 1898 (1971); B. J. Alder, D. M. Gass and T. E. Wainwright, J. Chem. "
         "Phys. 53, 3813 (1970); D. Risso and P. Cordero, J. Stat. Phys. 82, 1453 (1996)",
         judge=_judge_heat,

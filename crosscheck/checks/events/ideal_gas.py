@@ -22,25 +22,25 @@ from crosscheck.verdict import Judged, Judgement, bounded, round_off, statistica
 #: Number of disks between hard walls. The reference holds to n = 0.127 (eta = 0.1); at n = 0.2 its uncertainty, which
 #: grows as eta^2, is meant to cover its error.
 WALLED = 400
-#: Of the positions of a twin, relative to the box: some 450 roundings of a coordinate.
+#: Disturbance of a second run's positions, relative to the box: some 450 roundings of a coordinate.
 DISTURBANCE = 1e-13
 
 
-class Walled(NamedTuple):
+class _Walled(NamedTuple):
     """Disks of speed 1: number density, and collisions of pairs in the run."""
 
     density: float
     collisions: float
 
 
-class Scaling(NamedTuple):
+class _Scaling(NamedTuple):
     """The same disks with several speeds V0, the first of which is 1."""
 
     density: float
     speeds: tuple[float, ...]
 
 
-class Pressure(NamedTuple):
+class _Pressure(NamedTuple):
     """mean, over the blocks; residual: of the virial theorem, and its bound; impulse: per hit, over the blocks."""
 
     mean: Mean
@@ -49,7 +49,7 @@ class Pressure(NamedTuple):
     impulse: Mean
 
 
-def _wall_pressure(scene: Scene, run: Run) -> Pressure:
+def _wall_pressure(scene: Scene, run: Run) -> _Pressure:
     """Mean force per length on the four walls of a square box.
 
     With positions from the box's middle and centres that stop at (L - sigma)/2, the virial theorem is exact for any
@@ -69,7 +69,7 @@ def _wall_pressure(scene: Scene, run: Run) -> Pressure:
     residual = np.abs(0.5 * (length - 1) * pushed - right).max() / right[-1]
     complete = pushed + 2 * moment / (length - 1)
     per_hit = (np.diff(pushed) / np.diff(hits))[SETTLING:]
-    return Pressure(
+    return _Pressure(
         correlated_mean(rates(run, complete) / (4 * length)),
         float(residual),
         EPSILON * float(run["collisions"][-1] + hits[-1]),
@@ -84,11 +84,11 @@ def _walled(density: float, speed: float, collisions: float, seed: int) -> Scene
     return gas(2, WALLED, density, seed, in_blocks(duration, True), duration, hard=True, speed=speed)
 
 
-def _judge(laboratory: Laboratory, value: Walled | Scaling) -> Judged:
-    return _judge_scaling(laboratory, value) if isinstance(value, Scaling) else _judge_pressure(laboratory, value)
+def _judge(laboratory: Laboratory, value: _Walled | _Scaling) -> Judged:
+    return _judge_scaling(laboratory, value) if isinstance(value, _Scaling) else _judge_pressure(laboratory, value)
 
 
-def _judge_pressure(laboratory: Laboratory, walled: Walled) -> Judged:
+def _judge_pressure(laboratory: Laboratory, walled: _Walled) -> Judged:
     """Pressure on the walls, the virial theorem, and the impulse of a hit."""
     density = walled.density
     scene = _walled(density, 1.0, walled.collisions, laboratory.seed())
@@ -141,7 +141,7 @@ def _pressure_figure(density: float, value: float, error: float) -> Figure:
     )  # fmt: skip
 
 
-def _judge_scaling(laboratory: Laboratory, scaling: Scaling) -> Judged:
+def _judge_scaling(laboratory: Laboratory, scaling: _Scaling) -> Judged:
     """V0 sets the unit of time alone: the same trajectory until chaos, p ~ V0^2 afterwards."""
     seed = laboratory.seed()
     pressures = []
@@ -166,8 +166,8 @@ def _judge_scaling(laboratory: Laboratory, scaling: Scaling) -> Judged:
     return worst([*same, exponent], f"V0 = {scaling.speeds}, N = {WALLED}, n = {scaling.density}")
 
 
-def _same_events(laboratory: Laboratory, scaling: Scaling, seed: int) -> list[Judgement]:
-    """Positions after the same number of collisions, N/4: no further apart than those of a twin disturbed a little."""
+def _same_events(laboratory: Laboratory, scaling: _Scaling, seed: int) -> list[Judgement]:
+    """Positions after the same number of collisions, N/4: no further apart than if slightly disturbed."""
     output = Output(collisions=(WALLED // 16, WALLED // 8, WALLED // 4), observables=TALLIES, trajectory=True)
     scenes = [gas(2, WALLED, scaling.density, seed, output, 1e9, hard=True, speed=speed) for speed in scaling.speeds]
     state, lengths = scenes[0].initial_state(), scenes[0].lengths()
@@ -194,7 +194,7 @@ def _separation(one: Run, two: Run) -> float:
     return float(np.sqrt(((one["positions"] - two["positions"]) ** 2).mean(axis=(1, 2))).max())
 
 
-def _scaling_figure(scaling: Scaling, p: Floats, u: Floats) -> Figure:
+def _scaling_figure(scaling: _Scaling, p: Floats, u: Floats) -> Figure:
     speeds = list(scaling.speeds)
     known = disk_box_pressure(WALLED, (WALLED / scaling.density) ** 0.5).value
     law = [known * mono_speed_temperature(speed, 2) for speed in speeds]
@@ -227,8 +227,8 @@ CHECKS = (
         "Hansen & McDonald, Theory of Simple Liquids, section 2.2",
         judge=_judge,
         variants=(
-            *quick(**{"n0.05": Walled(0.05, 4e5), "speeds": Scaling(0.05, (1.0, 3.0, 10.0))}),
-            *full(**{f"n{n:g}": Walled(n, 1.5e6) for n in (0.005, 0.01, 0.02, 0.1, 0.2)}),
+            *quick(**{"n0.05": _Walled(0.05, 4e5), "speeds": _Scaling(0.05, (1.0, 3.0, 10.0))}),
+            *full(**{f"n{n:g}": _Walled(n, 1.5e6) for n in (0.005, 0.01, 0.02, 0.1, 0.2)}),
         ),
         needs=event_driven("dimension=2 box.boundaries=hard", f"positions velocities {' '.join(TALLIES)}"),
         faults=(

@@ -23,7 +23,11 @@ from crosscheck.verdict import Judged, Judgement, bounded, round_off, statistica
 
 
 class Arrangement(NamedTuple):
-    """Centres of the scatterers, and places and velocities (speed 1) of points in the free volume; the box's side."""
+    """Fixed scatterers and moving points in a periodic box.
+
+    centres: of the scatterers, (scatterers, d). places, velocities: of the points, in the free volume and of speed 1,
+    (points, d). length: side of the box.
+    """
 
     centres: Floats
     places: Floats
@@ -32,7 +36,11 @@ class Arrangement(NamedTuple):
 
 
 def arrangement(dimension: int, x: float, scatterers: int, points: int, seed: int, overlapping: bool) -> Arrangement:
-    """Scatterers of radius 1 at random, one after the other, with or without overlaps; points anywhere between them."""
+    """Scatterers of radius 1 at random, one after the other, and points at random in the volume between them.
+
+    dimension: 2 or 3. x: scatterers a unit of volume. scatterers, points: numbers of them. seed: of all that is random.
+    overlapping: whether scatterers may overlap.
+    """
     rng = np.random.default_rng(seed)
     length = (scatterers / x) ** (1 / dimension)
     if overlapping:
@@ -74,7 +82,7 @@ def _apart(trial: Floats, length: float) -> Floats:
     return np.asarray(trial[kept])
 
 
-def lorentz_gas(gas: Arrangement, dimension: int, duration: float, interval: float, size: float = 0.0) -> Scene:
+def _lorentz_gas(gas: Arrangement, dimension: int, duration: float, interval: float, size: float = 0.0) -> Scene:
     """Scatterers first, then the particles that move, of diameter `size`; contact is at 1 for any size."""
     scatterers, points = len(gas.centres), len(gas.places)
     return Scene(
@@ -123,7 +131,7 @@ def _measure(gas: Arrangement, scene: Scene, run: Run, interval: float) -> _Meas
     return _Measured(len(gas.places) * scene.duration / collisions, diffusion, speed_error, depth, collisions)
 
 
-class PointGas(NamedTuple):
+class _PointGas(NamedTuple):
     """x: density of the scatterers, which may overlap or not."""
 
     dimension: int
@@ -131,7 +139,7 @@ class PointGas(NamedTuple):
     x: float
 
 
-def _judge_points(laboratory: Laboratory, gas_of_points: PointGas) -> Judged:
+def _judge_points(laboratory: Laboratory, gas_of_points: _PointGas) -> Judged:
     """Many points in each of several arrangements: the arrangements are the independent samples."""
     dimension, overlapping, x = gas_of_points
     path = reference.free_path(x, 1.0, dimension, overlapping)
@@ -140,7 +148,7 @@ def _judge_points(laboratory: Laboratory, gas_of_points: PointGas) -> Judged:
     for number in range(ARRANGEMENTS):
         seed = laboratory.seed(str(number))
         gas = arrangement(dimension, x, SCATTERERS[dimension], POINTS[dimension], seed, overlapping)
-        scene = lorentz_gas(gas, dimension, PATHS * path, interval)
+        scene = _lorentz_gas(gas, dimension, PATHS * path, interval)
         found.append(_measure(gas, scene, laboratory.run(scene, EVENT_DRIVEN), interval))
     each = np.array(found)
     mean, error = each.mean(axis=0), standard_error(each)
@@ -225,7 +233,7 @@ def _judge_finite(laboratory: Laboratory, dimension: int) -> Judged:
         runs = []
         for size, shift in ((0.0, 0.0), (SIZE, 0.0), (0.0, 1e-9)):
             turned = gas.velocities + shift * np.roll(gas.velocities, 1, axis=1) * np.where(np.arange(dimension), 1, -1)
-            scene = lorentz_gas(gas._replace(velocities=turned), dimension, STRIDES * path, STRIDES * path, size)
+            scene = _lorentz_gas(gas._replace(velocities=turned), dimension, STRIDES * path, STRIDES * path, size)
             runs.append(laboratory.run(scene, EVENT_DRIVEN))
         point, finite, disturbed = (run["final_positions"][-1] for run in runs)
         count = float(runs[0]["collisions"][-1])
@@ -260,7 +268,7 @@ def _judge_head_on(laboratory: Laboratory, dimension: int) -> Judged:
     middles = np.repeat(places[1 : HEAD_ON + 1], 2, axis=0)
     speeds = np.tile([1.0, 0.5], HEAD_ON)[:, None]
     gas = Arrangement(places[:1], middles + APART * signs * lines, -2 * signs * speeds * lines, BESIDE * side)
-    run = laboratory.run(lorentz_gas(gas, dimension, APART, APART), EVENT_DRIVEN)
+    run = laboratory.run(_lorentz_gas(gas, dimension, APART, APART), EVENT_DRIVEN)
     return bounded(
         f"collisions of {HEAD_ON} pairs of points",
         float(run["collisions"][-1]),
@@ -269,9 +277,9 @@ def _judge_head_on(laboratory: Laboratory, dimension: int) -> Judged:
     )
 
 
-_POINT_GASES = {f"{d}d-overlapping-x{x:g}": PointGas(d, True, x) for d in (2, 3) for x in reference.DIFFUSION[d]} | {
-    "2d-separate-x0.1": PointGas(2, False, 0.1),
-    "3d-separate-x0.05": PointGas(3, False, 0.05),
+_POINT_GASES = {f"{d}d-overlapping-x{x:g}": _PointGas(d, True, x) for d in (2, 3) for x in reference.DIFFUSION[d]} | {
+    "2d-separate-x0.1": _PointGas(2, False, 0.1),
+    "3d-separate-x0.05": _PointGas(3, False, 0.05),
 }
 _NEEDS = event_driven(
     "hard_spheres.fixed hard_spheres.diameter[] box.boundaries=periodic", "positions velocities collisions"

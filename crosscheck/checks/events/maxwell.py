@@ -16,7 +16,7 @@ from crosscheck.statistics import standard_error
 from crosscheck.verdict import FALSE_ALARM, Judged, bounded, statistical, worst
 
 
-class Speeds(NamedTuple):
+class _Speeds(NamedTuple):
     """Runs of N particles of one speed, V0 = 1, dilute. needed: relative deviation that must be seen."""
 
     dimension: int
@@ -31,7 +31,7 @@ COUNTS = (0.5, 1.0, 2.0, 3.0, 10.0)
 DILUTE = 0.01
 
 
-def _judge(laboratory: Laboratory, gases: Speeds) -> Judged:
+def _judge(laboratory: Laboratory, gases: _Speeds) -> Judged:
     """Moments of the speeds after so many collisions, and the distance from Maxwell's distribution."""
     d, number, runs, needed = gases
     output = Output(collisions=tuple(round(c * number) for c in COUNTS), observables=TALLIES, trajectory=True)
@@ -68,8 +68,9 @@ def _judge(laboratory: Laboratory, gases: Speeds) -> Judged:
     figures = _figures(gases, speeds, means, errors)
     rise = float(np.diff(distances).max())
     judgements.append(bounded("largest rise of that distance", rise, noise, why, figures=figures))
-    shown = ", ".join(f"{distance:.4f}" for distance in distances)
-    return worst(judgements, f"distances from Maxwell {shown}; {runs} runs of {number}, n = {DILUTE}")
+    earlier = zip(distances[:-1], COUNTS, strict=False)
+    shown = ", ".join(f"{distance:.4f} ({count:g} N)" for distance, count in earlier)
+    return worst(judgements, f"earlier distances from Maxwell {shown}; {runs} runs of {number}, n = {DILUTE}")
 
 
 def _distance(speeds: Floats, dimension: int, temperature: float) -> float:
@@ -86,7 +87,7 @@ def _largest_distance(samples: int) -> float:
     return float(kstwo(samples).isf(FALSE_ALARM))
 
 
-def _figures(gases: Speeds, speeds: Floats, means: Floats, errors: Floats) -> tuple[Figure, ...]:
+def _figures(gases: _Speeds, speeds: Floats, means: Floats, errors: Floats) -> tuple[Figure, ...]:
     d = gases.dimension
     edges = np.linspace(0, 2.5, 51)
     fine = np.linspace(0, 2.5, 126)
@@ -127,8 +128,8 @@ CHECKS = (
         "own direct simulation of the Boltzmann equation (Bird 1994)",
         judge=_judge,
         variants=(
-            *quick(**{"2d": Speeds(2, 1600, 24, 0.05)}),
-            *full(**{"2d-large": Speeds(2, 10000, 24, 0.02), "3d": Speeds(3, 4096, 24, 0.02)}),
+            *quick(**{"2d": _Speeds(2, 1600, 24, 0.05)}),
+            *full(**{"2d-large": _Speeds(2, 10000, 24, 0.02), "3d": _Speeds(3, 4096, 24, 0.02)}),
         ),
         needs=event_driven("box.boundaries=hard output.collisions", f"positions velocities {' '.join(TALLIES)}"),
         faults=(

@@ -30,7 +30,7 @@ COLLISIONS, SAMPLES = 3e6, 240
 
 
 class Blend(NamedTuple):
-    """eta: packing fraction."""
+    """A mixture in `dimension` dimensions; eta: packing fraction of both species together."""
 
     dimension: int
     eta: float
@@ -43,7 +43,11 @@ MIXTURES = {
 
 
 def mixture_scene(blend: Blend, seed: int) -> tuple[Scene, reference.Mixture]:
-    """Small and large ones on the sites of a compound, all energy with the small: T = 2K/(d (N - 1)) = 1."""
+    """Small and large particles that start on the sites of a compound; and what theory says of the mixture.
+
+    At the start the small ones have all of the energy, T = 2K/(d (N - 1)) = 1. blend: the state. seed: of the
+    velocities.
+    """
     dimension, eta = blend
     basis = np.array([[0.0] * dimension, *_SMALL_SITES[dimension]])
     grid = np.stack(np.meshgrid(*[np.arange(CELLS[dimension])] * dimension, indexing="ij"), axis=-1)
@@ -82,7 +86,7 @@ def _judge(laboratory: Laboratory, blend: Blend) -> Judged:
     number, species, masses = scene.number, np.array(scene.species), np.array(scene.masses)
     excess = correlated_mean(rates(run, run["collisional_virial"]) / (d * number))
     rate = correlated_mean(2 * rates(run, run["collisions"]) / number)
-    # there is no theory of finite N for mixtures: that of one species as dense, wholly in doubt
+    # no theory of finite N for mixtures: the correction for one species as dense, uncertain by all of it
     infinite = compressibility(eta, d).value
     few = finite_compressibility(eta, number, d).value - infinite
     z = reference.mixture_compressibility(known, d)

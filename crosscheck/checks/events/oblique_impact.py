@@ -23,7 +23,11 @@ _DIAMETERS = (1.0, 0.6)
 
 
 class Pair(NamedTuple):
-    """Two bodies that touch at time `CONTACT` in the places `touching`; n points from the second to the first."""
+    """Two bodies that touch at the time `CONTACT`.
+
+    bodies: with their velocities and spins before. species: index of each in the scene. normal: unit vector from the
+    second to the first, (3,). touching: their centres at that time, (2, 3).
+    """
 
     bodies: tuple[Body, Body]
     species: tuple[int, int]
@@ -32,7 +36,10 @@ class Pair(NamedTuple):
 
 
 def pairs_at_all_angles(dimension: int, seed: int) -> list[Pair]:
-    """Pairs whose contact velocity, of size 1, comes at angles from 0 to 90 degrees; directions and spins at random."""
+    """Pairs whose contact velocity, of size 1, comes at angles from 0 to 90 degrees to the normal.
+
+    dimension: 2 or 3. seed: of the directions and spins.
+    """
     rng = np.random.default_rng(seed)
     plane = np.array([1.0, 1.0, float(dimension == 3)])
     q, made = 0.4 if dimension == 3 else 0.5, []

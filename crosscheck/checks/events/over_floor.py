@@ -1,4 +1,4 @@
-"""Scenes of grains over a floor, one or many that do not hit each other; what is read off them."""
+"""Scenes of grains over a floor, one or many that do not hit each other, and figures of their impacts."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def over_floor(
 ) -> Scene:  # fmt: skip
     """Point grains, which do not hit each other, above the floor y = 0; nothing above, periodic to the sides.
 
-    floor: its motion and impact rule. heights, velocities: at the start, (N,). interval: between samples. seed: of
-    random phases. width: of the box; a narrow one keeps the rounding of places small, in a wide one many grains are
-    apart.
+    floor: its motion and impact rule. heights, velocities: at the start, (N,). duration: of the run. interval: between
+    samples. gravity: g = 1, or none. seed: of random phases. width: of the box; a narrow one keeps the rounding of
+    places small, in a wide one many grains are apart.
     """
     number = heights.size
     places = np.stack([width * (np.arange(number) + 0.5) / number, heights], axis=1)
@@ -57,7 +57,7 @@ def over_floor(
 
 
 def vertical(run: Run) -> tuple[Floats, Floats]:
-    """Heights and vertical velocities, (samples, N)."""
+    """Heights and vertical velocities of `run` at its samples, both (samples, N)."""
     return run["positions"][:, :, 1], run["velocities"][:, :, 1]
 
 

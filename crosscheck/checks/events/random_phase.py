@@ -21,14 +21,14 @@ LAWS: tuple[floors.Law, ...] = ("uniform", "flux")
 SPEEDS = (1.0, 2.0, 3.0)
 
 
-class Draw(NamedTuple):
+class _Draw(NamedTuple):
     """The law of the floor's phase, and the velocity u that grains come down with."""
 
     law: floors.Law
     u: float
 
 
-def _judge_random(laboratory: Laboratory, draw: Draw) -> Judged:
+def _judge_random(laboratory: Laboratory, draw: _Draw) -> Judged:
     """One visit of each grain, of one impact or of several at once where the wall recedes."""
     law, u = draw
     floor = Face(random_phase=RandomPhase(speed=1.0, law=law))
@@ -66,7 +66,7 @@ CHECKS = (
         criterion=f"mean over {GRAINS} grains",
         citation="McNamara & Barrat, Phys. Rev. E 55, 7767 (1997); Soto, Phys. Rev. E 69, 061305 (2004)",
         judge=_judge_random,
-        variants=full(**{f"{law}-u{u:g}": Draw(law, u) for law in LAWS for u in SPEEDS}),
+        variants=full(**{f"{law}-u{u:g}": _Draw(law, u) for law in LAWS for u in SPEEDS}),
         needs=Needs(
             "hard_spheres",
             (EVENT_DRIVEN,),

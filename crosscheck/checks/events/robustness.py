@@ -37,7 +37,7 @@ def _overlap(scene: Scene, positions: Floats) -> float:
     return float(max(0.0, (touch - np.linalg.norm(gap, axis=1)).max()) / sizes.mean())
 
 
-def _sound(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judged:
+def _overlaps_and_energy(scene: Scene, run: Run, what: str, elastic: bool = True) -> Judged:
     """No overlap at a sample or a collision, and the energy of elastic grains is kept, but for rounding."""
     lengths, sizes = scene.lengths(), scene.diameters()
     assert lengths is not None
@@ -156,7 +156,7 @@ def _judge_simultaneous(laboratory: Laboratory) -> Judged:
     expected = side * side / 2 * int((10.0 + 0.25) / 0.5)
     return worst(
         [
-            _sound(scene, run, "columns"),
+            _overlaps_and_energy(scene, run, "columns"),
             bounded("impacts too many or few", abs(float(run["collisions"][-1]) - expected), 0.0, "exact"),
         ],
         "1024 disks",
@@ -177,7 +177,7 @@ def _judge_crystal(laboratory: Laboratory, dimension: int, fraction: float) -> J
     counts = tuple(number * 20 * k for k in range(1, 11))
     output = Output(collisions=counts, observables=_RECORD, trajectory=True)
     run = laboratory.run(scene.changed(duration=1e4, output=output), EVENT_DRIVEN)
-    return _sound(scene, run, f"packing fraction {fraction}")
+    return _overlaps_and_energy(scene, run, f"packing fraction {fraction}")
 
 
 def _judge_ratio(laboratory: Laboratory, sizes: tuple[float, float], masses: tuple[float, float]) -> Judged:
@@ -211,7 +211,7 @@ def _judge_ratio(laboratory: Laboratory, sizes: tuple[float, float], masses: tup
         duration=1e4,
         output=Output(collisions=tuple(2000 * k for k in range(1, 11)), observables=_RECORD, trajectory=True),
     )
-    return _sound(scene, laboratory.run(scene, EVENT_DRIVEN), f"sizes {sizes}, masses {masses}")
+    return _overlaps_and_energy(scene, laboratory.run(scene, EVENT_DRIVEN), f"sizes {sizes}, masses {masses}")
 
 
 def _judge_plastic(laboratory: Laboratory) -> Judged:
@@ -225,7 +225,7 @@ def _judge_plastic(laboratory: Laboratory) -> Judged:
         duration=1e9,
         output=Output(collisions=tuple(2000 * k for k in range(1, 11)), observables=_RECORD, trajectory=True),
     )
-    return _sound(scene, laboratory.run(scene, EVENT_DRIVEN), "restitution 0", elastic=False)
+    return _overlaps_and_energy(scene, laboratory.run(scene, EVENT_DRIVEN), "restitution 0", elastic=False)
 
 
 #: Collisions of the long run: about 1e8 events with the passages between cells.
@@ -243,7 +243,7 @@ def _judge_long(laboratory: Laboratory) -> Judged:
         output=Output(collisions=tuple(LONG // samples * k for k in range(1, samples + 1)), observables=_RECORD,
                       trajectory=True),
     )  # fmt: skip
-    return _sound(scene, laboratory.run(scene, EVENT_DRIVEN), "1e8 events")
+    return _overlaps_and_energy(scene, laboratory.run(scene, EVENT_DRIVEN), "1e8 events")
 
 
 def _judge_clock(laboratory: Laboratory) -> Judged:

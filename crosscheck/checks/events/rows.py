@@ -13,15 +13,19 @@ from crosscheck.scene import Box, Face, Floats, HardSpheres, Output, Scene, expl
 
 
 def reported_time(run: Run) -> float:
-    """Time of the inelastic collapse that ended the run; not a number if none is reported, or without a particle."""
+    """Time of the inelastic collapse that ended `run`, read from the reason that the engine reports.
+
+    NaN if no collapse is reported, or if the report names no particle.
+    """
     found = re.search(r"particles? \d+.*t = ([-+.\de]+)", run.stopped)
     return float(found[1]) if found else np.nan
 
 
 class Row(NamedTuple):
-    """Particles in a row, whether there is a wall before the first, and the restitution below which they collapse.
+    """Particles in a row along x.
 
-    gaps: between surfaces, (N - 1,), with a wall (N,). velocities: (N,). below, above: restitutions next to the limit.
+    gaps: between surfaces, (N - 1,), with a wall (N,). velocities: along x, (N,). wall: there is one before the first.
+    limit: restitution below which they collapse. below, above: restitutions next to the limit.
     """
 
     gaps: Floats
@@ -49,7 +53,8 @@ ROWS = {
 def row_scene(row: Row, alpha: float, duration: float, contact_duration: float | None = None) -> Scene:
     """Disks of diameter 1 in a row along x; x = 0 is a wall, or there is none; walls far above and below.
 
-    alpha: restitution of all impacts. contact_duration: t_c of the TC model.
+    row: gaps and velocities at the start. alpha: restitution of all impacts. duration: of the run. contact_duration:
+    t_c of the TC model; None without it.
     """
     number = row.velocities.size
     start = 0.5 + row.gaps[0] if row.wall else 4.0

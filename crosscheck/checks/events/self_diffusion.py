@@ -18,7 +18,7 @@ DIFFUSING, WINDOW, SHOWN, ORIGINS = 1728, 10, 40, 360
 
 
 def _window_start(density: float) -> float:
-    """Five decay times of the slowest: the velocity, or the longest shear wave of the box.
+    """Five times the slower decay: that of the velocity, or of the longest shear wave of the box.
 
     After that the box has no long-time tail left, and the mean-square displacement is straight to exp(-5).
     """

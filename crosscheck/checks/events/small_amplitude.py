@@ -1,4 +1,4 @@
-"""A floor of small amplitude and high frequency: which law its visits tend to."""
+"""Vibrating floor of small amplitude and high frequency: mean energy gained in a visit."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from crosscheck.verdict import Judged, within
 #: Amplitudes in units of V0^2/g, velocities of the grains in units of V0.
 AMPLITUDES = (0.1, 0.03, 0.01, 0.003)
 SPEEDS = (1.0, 2.0, 3.0)
-#: Grains, one per phase; samples a period, and periods after the last grain has come.
+#: Grains, one per phase; samples a period, and periods after the last grain has reached the floor.
 PHASES, PER_PERIOD, PERIODS = 2000, 6, 12
 
 
-class Visits(NamedTuple):
+class _Visits(NamedTuple):
     """Of every grain: energy gained in its visit to the floor, velocity on leaving; and the share still there."""
 
     gains: Floats
@@ -37,7 +37,7 @@ class Visits(NamedTuple):
     unfinished: float
 
 
-def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> Visits:
+def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> _Visits:
     """One grain per phase comes down onto the floor A cos(t/A), V0 = 1: at z = 0 it would have velocity -u.
 
     A visit is over when the grain rises above the floor's highest place.
@@ -56,7 +56,7 @@ def _visit_floor(laboratory: Laboratory, u: float, amplitude: float) -> Visits:
     sample = np.where(finished, gone.argmax(axis=0), z.shape[0] - 1)
     grain_numbers = np.arange(PHASES)
     energies = 0.5 * v[sample, grain_numbers] ** 2 + GRAVITY * z[sample, grain_numbers]
-    return Visits(energies - 0.5 * u * u, np.sqrt(2 * np.maximum(energies, 0.0)), 1 - float(finished.mean()))
+    return _Visits(energies - 0.5 * u * u, np.sqrt(2 * np.maximum(energies, 0.0)), 1 - float(finished.mean()))
 
 
 def _judge_limit(laboratory: Laboratory, u: float) -> Judged:
@@ -79,7 +79,7 @@ def _judge_limit(laboratory: Laboratory, u: float) -> Judged:
     )  # fmt: skip
     plates = (visits[-1].velocities - u) / 2
     histogram = plate_figures(plates, u, f"floor, A = {AMPLITUDES[-1]:g}") if u >= 3 else ()
-    table = ", ".join(f"A {a:g}: {mean:.4f}" for a, mean in zip(AMPLITUDES, means, strict=True))
+    table = ", ".join(f"A {a:g}: {mean:.4f}" for a, mean in zip(AMPLITUDES[:-1], means[:-1], strict=True))
     return within(
         "order",
         f"mean energy gained in a visit at A = {AMPLITUDES[-1]:g}",
@@ -87,8 +87,8 @@ def _judge_limit(laboratory: Laboratory, u: float) -> Judged:
         limit.value,
         remains + limit.uncertainty,
         "finite amplitude, of first order from the largest one, and the jumps between neighbouring phases",
-        note=f"{table}; flux law {flux:.4f}, uniform law {uniform:g}; not gone at the end: "
-        f"{max(visit.unfinished for visit in visits):.2%}",
+        note=f"at larger amplitudes {table}; flux law {flux:.4f}, uniform law {uniform:g}; grains still on the floor "
+        f"at the end: {max(visit.unfinished for visit in visits):.2%}",
         figures=(gain_figure, *histogram),
     )
 
@@ -96,7 +96,7 @@ def _judge_limit(laboratory: Laboratory, u: float) -> Judged:
 CHECKS = (
     Check(
         name="events/small-amplitude",
-        title="A floor of small amplitude and high frequency: which law its visits tend to",
+        title="Vibrating floor of small amplitude and high frequency: mean energy gained in a visit",
         equation="<dE>(A -> 0, A omega = V0) = that of a visit in the limit: 2 V0^2, the flux law's, for u >= 3 V0",
         criterion=f"mean over {PHASES} equally spaced phases at A = {', '.join(f'{a:g}' for a in AMPLITUDES)}",
         citation="McNamara & Barrat, Phys. Rev. E 55, 7767 (1997)",

@@ -37,7 +37,7 @@ _ROUGH = GrainFriction(tangential_restitution=0.3, static=0.5, sliding=0.4)
 _ROUGH_WALL = Friction(tangential_restitution=0.3, static=0.5, sliding=0.4)
 
 
-class Feature(NamedTuple):
+class _Feature(NamedTuple):
     """A scene of `_feature_scenes`, by its name, in two or three dimensions."""
 
     dimension: int
@@ -94,10 +94,10 @@ def _feature_scenes(dimension: int, seed: int) -> dict[str, Scene]:
     }
 
 
-_FEATURES = {f"{d}d-{name}": Feature(d, name) for d in (2, 3) for name in _feature_scenes(2, 0)}
+_FEATURES = {f"{d}d-{name}": _Feature(d, name) for d in (2, 3) for name in _feature_scenes(2, 0)}
 
 
-def _judge(laboratory: Laboratory, feature: Feature) -> Judged:
+def _judge(laboratory: Laboratory, feature: _Feature) -> Judged:
     """Windows of a run against the naive algorithm, started from the run's own state at the window's start."""
     scene = _feature_scenes(feature.dimension, laboratory.seed() % 2**31)[feature.name]
     trial = laboratory.run(scene.changed(duration=10.0, output=_counted(10.0)), EVENT_DRIVEN)

@@ -19,7 +19,7 @@ from crosscheck.verdict import Judged, round_off, worst
 SAMPLES, INTERVAL = 40, 2.5
 
 
-class Fluid(NamedTuple):
+class _Fluid(NamedTuple):
     """number: of particles; density per sigma^d; temperature at the start; depth, negative: a shoulder."""
 
     dimension: int
@@ -38,7 +38,7 @@ def _pairs_inside(positions: Floats, length: float) -> int:
     return len(tree.query_pairs(WIDTH, output_type="ndarray"))
 
 
-def _judge(laboratory: Laboratory, state: Fluid) -> Judged:
+def _judge(laboratory: Laboratory, state: _Fluid) -> Judged:
     """Total energy at every sample, and the wells' against the pairs counted in the recorded positions."""
     dimension, number, density, temperature, depth = state
     scene = fluid(dimension, number, density, temperature, laboratory.seed(), depth)
@@ -91,9 +91,9 @@ CHECKS = (
         judge=_judge,
         variants=full(
             **{
-                "2d": Fluid(2, 196, 0.4, 1.0, 1.0),
-                "3d": Fluid(3, 256, 0.5, 1.0, 1.0),
-                "3d-shoulder": Fluid(3, 256, 0.3, 1.0, -1.0),
+                "2d": _Fluid(2, 196, 0.4, 1.0, 1.0),
+                "3d": _Fluid(3, 256, 0.5, 1.0, 1.0),
+                "3d-shoulder": _Fluid(3, 256, 0.3, 1.0, -1.0),
             }
         ),
         needs=NEEDS_STATES,

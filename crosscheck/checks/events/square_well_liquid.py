@@ -16,15 +16,15 @@ from crosscheck.statistics import Mean, correlated_mean
 from crosscheck.verdict import Judged, statistical, worst
 
 
-class Liquid(NamedTuple):
+class _Liquid(NamedTuple):
     """A state of the reference, and the number of particles."""
 
     point: StatePoint
     number: int
 
 
-def _at_state(density: float, temperature: float, number: int) -> Liquid:
-    return Liquid(next(one for one in STATES if one[:2] == (density, temperature)), number)
+def _at_state(density: float, temperature: float, number: int) -> _Liquid:
+    return _Liquid(next(one for one in STATES if one[:2] == (density, temperature)), number)
 
 
 #: Duration of a production run of 256 particles; of more, shorter in proportion.
@@ -64,7 +64,7 @@ def _produced(laboratory: Laboratory, scene: Scene, duration: float) -> _Product
     return _Production(t, energy, z)
 
 
-def _judge(laboratory: Laboratory, liquid: Liquid) -> Judged:
+def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
     """Two runs at constant energy about the temperature; energy and Z on the line through them, at that temperature."""
     point, number = liquid
     scene = fluid(3, number, point.density, 1.5 * point.temperature, laboratory.seed())

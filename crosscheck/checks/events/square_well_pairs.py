@@ -19,7 +19,8 @@ PAIRS, PAIR_SPACING, PAIR_TIME = 64, 24.0, 5.0
 def pair_starts(dimension: int, seed: int) -> tuple[Floats, Floats]:
     """Relative positions and velocities, (pairs, d): a third outside and approaching, the others in the well.
 
-    Those inside have a binding energy or an excess of up to the depth: half of them can never leave.
+    Those inside have a binding energy or an excess of up to the depth: half of them can never leave. dimension: 2 or 3.
+    seed: of all that is random.
     """
     rng = np.random.default_rng(seed)
     n = rng.normal(size=(PAIRS, dimension))

@@ -23,7 +23,7 @@ DILUTE_NUMBER = {2: 1024, 3: 864}
 DILUTE_TIME, DILUTE_SAMPLES = {2: 8000.0, 3: 6000.0}, 200
 
 
-class Gas(NamedTuple):
+class _Gas(NamedTuple):
     """temperature: None for that where B_2 is zero."""
 
     dimension: int
@@ -31,10 +31,10 @@ class Gas(NamedTuple):
 
 
 _TEMPERATURES = {"T1.5": 1.5, "boyle": None, "T6": 6.0}
-_GASES = {f"{d}d-{name}": Gas(d, t) for d in (2, 3) for name, t in _TEMPERATURES.items()}
+_GASES = {f"{d}d-{name}": _Gas(d, t) for d in (2, 3) for name, t in _TEMPERATURES.items()}
 
 
-def _judge(laboratory: Laboratory, gas: Gas) -> Judged:
+def _judge(laboratory: Laboratory, gas: _Gas) -> Judged:
     """(Z - 1)/n of a dilute gas, minus B_3 n: B_2."""
     dimension = gas.dimension
     target = reference.boyle_temperature(WIDTH, dimension) if gas.temperature is None else gas.temperature

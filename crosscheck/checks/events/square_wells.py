@@ -12,7 +12,7 @@ from crosscheck.engines.protocol import Run
 from crosscheck.references.square_well import WIDTH
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, Well
 
-#: Of every scene: what is asked for selects the compiled loop, and one is enough.
+#: Observables of every scene: the same everywhere, so that all scenes share one compiled loop.
 OBSERVABLES: tuple[Observable, ...] = (
     "kinetic_energy",
     "potential_energy",
@@ -22,12 +22,16 @@ OBSERVABLES: tuple[Observable, ...] = (
     "potential_energy_integral",
 )
 WORDS = "hard_spheres.well box.boundaries=periodic"
-#: Of the checks that look at positions.
+#: Needs of the checks that use positions.
 NEEDS_STATES = event_driven(WORDS, " ".join((*OBSERVABLES, "positions", "velocities")))
 
 
 def fluid(dimension: int, number: int, density: float, temperature: float, seed: int, depth: float = 1.0) -> Scene:
-    """A periodic cube (square) of particles that start on a lattice; density per sigma^d."""
+    """A periodic cube (square) of particles that start on a lattice; diameter and mass 1.
+
+    dimension: 2 or 3. number: of particles. density: per sigma^d. temperature: at the start. seed: of the velocities.
+    depth: of the well; negative: a shoulder.
+    """
     structure = "square" if dimension == 2 else "fcc"
     return Scene(
         name=f"square-well-{dimension}d-{number}",
@@ -41,6 +45,9 @@ def fluid(dimension: int, number: int, density: float, temperature: float, seed:
 
 
 def temperatures(scene: Scene, run: Run) -> Floats:
-    """Averages over each interval of 2 K/(d (N - 1)), total momentum zero."""
+    """Averages over each interval of 2 K/(d (N - 1)), total momentum zero, (intervals,).
+
+    scene: gives d and N. run: with `OBSERVABLES`.
+    """
     freedoms = scene.dimension * (scene.number - 1)
     return np.asarray(2 * np.diff(run["kinetic_energy_integral"]) / (freedoms * np.diff(run["time"])))

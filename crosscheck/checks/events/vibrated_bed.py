@@ -72,7 +72,7 @@ def _hydrostatic(scene: Scene, runs: list[Run], mass: Floats) -> Judgement:
 
 
 def _judge_shaken(laboratory: Laboratory) -> Judged:
-    """The floor feeds what collisions lose, and bears the weight; T has a minimum inside, and density a maximum."""
+    """Power of the floor against dissipation, its force against the weight; minimum of T, maximum of density."""
     scene = _bed(laboratory.seed())
     runs = run_on(laboratory, scene, STRETCHES, 500.0)
     z, _, mass = _heights(scene, runs)

@@ -20,7 +20,7 @@ _DROPS = np.geomspace(1e-3, 30.0, 16)
 _INTERVAL, _SAMPLES = 1.5, 40
 
 
-class Shaken(NamedTuple):
+class _Shaken(NamedTuple):
     """What is on the floor, elastic balls or a column of inelastic disks, and A omega^2/g, `shaking`."""
 
     shaking: float
@@ -45,7 +45,7 @@ def _compare(state: tuple[float, float, float], found: tuple[float, float], omeg
     return float((error / (8 * (1 + exact.impacts) * size)).max()), exact.impacts
 
 
-def _judge_vibrating(laboratory: Laboratory, floor: Shaken) -> Judged:
+def _judge_vibrating(laboratory: Laboratory, floor: _Shaken) -> Judged:
     return (_judge_column if floor.column else _judge_balls)(laboratory, floor.shaking)
 
 
@@ -134,8 +134,8 @@ CHECKS = (
         citation="Soto, Phys. Rev. E 69, 061305 (2004)",
         judge=_judge_vibrating,
         variants=(
-            *full(**{f"{shaking:g}": Shaken(shaking) for shaking in (0.1, 1.0, 10.0, 100.0)}),
-            *full(**{f"column-{shaking:g}": Shaken(shaking, column=True) for shaking in (0.1, 1.0, 3.0, 10.0, 100.0)}),
+            *full(**{f"{shaking:g}": _Shaken(shaking) for shaking in (0.1, 1.0, 10.0, 100.0)}),
+            *full(**{f"column-{shaking:g}": _Shaken(shaking, column=True) for shaking in (0.1, 1.0, 3.0, 10.0, 100.0)}),
         ),
         needs=Needs(
             "hard_spheres",

@@ -55,7 +55,10 @@ def _column(gap: float, duration: float) -> Scene:
 
 
 class Column(NamedTuple):
-    """Of beads of mass 1 in a field 1: K + U, from U = 0 where all lie on the floor; height of the centre of mass."""
+    """Of beads of mass 1 and diameter 1 under gravity 1: `energy` and `height` of the centre of mass.
+
+    energy: K + U, with U = 0 where all beads lie on the floor. height: above the floor.
+    """
 
     energy: float
     height: float
@@ -149,8 +152,8 @@ def _judge_touching(laboratory: Laboratory) -> Judged:
             Series("Runge-Kutta", list(_RATIOS), chains, theory=True),
         ),
     )
-    pairs = ", ".join(f"{r:g}: {a:.4f} ({b:.4f})" for r, a, b in zip(_RATIOS, fine, event_driven, strict=True))
-    return worst(judgements, f"kept at gap/(v t_c), soft (event-driven): {pairs}", (figure,))
+    kept_hard = ", ".join(f"{ratio:g}: {kept:.4f}" for ratio, kept in zip(_RATIOS, event_driven, strict=True))
+    return worst(judgements, f"kept by event-driven beads, at gap/(v t_c) = {kept_hard}", (figure,))
 
 
 def _judge_column(laboratory: Laboratory, judge: Callable[[Laboratory], Judged]) -> Judged:

@@ -23,7 +23,7 @@ from crosscheck.verdict import Judged
 #: Steps of the search (time), and the states that each is run from.
 STEPS = (0.2, 0.1, 0.05, 0.025, 0.0125)
 _STATES = 64
-#: Who searches, where an event-driven engine is judged; and its search by a tree, the fastest.
+#: Engine that an event-driven one is judged beside; and its fastest scheme, a search by a tree.
 _SEARCHER, _TREE = "rebound", "collisions_tree"
 
 
@@ -35,7 +35,7 @@ def _last_energy(run: Run) -> float:
     return float(energies(run)[-1])
 
 
-class Gas(NamedTuple):
+class _Gas(NamedTuple):
     """A gas of this restitution, and what is measured of it at its end."""
 
     quantity: str
@@ -44,12 +44,12 @@ class Gas(NamedTuple):
 
 
 _GASES = {
-    "collision-rate": Gas("number of collisions over event-driven", 1.0, _collisions),
-    "cooling": Gas("T over event-driven", 0.8, _last_energy),
+    "collision-rate": _Gas("number of collisions over event-driven", 1.0, _collisions),
+    "cooling": _Gas("T over event-driven", 0.8, _last_energy),
 }
 
 
-def _judge_search(laboratory: Laboratory, gas: Gas) -> Judged:
+def _judge_search(laboratory: Laboratory, gas: _Gas) -> Judged:
     """Collisions that are found after a step are up to a step late.
 
     An engine that searches for them is judged beside the event-driven reference; an event-driven one beside REBOUND.

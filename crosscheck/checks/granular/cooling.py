@@ -24,7 +24,11 @@ STIFFNESSES = {1e3: 48, 1e4: 48, 1e5: 48, 1e6: 32, 1e7: 12}
 
 
 class Gas(NamedTuple):
-    """Packing fraction of a gas, and the time in which a particle collides about 3 times; name: of the variant."""
+    """A gas of hard spheres, by the `name` of its variant, in `dimension` dimensions.
+
+    structure: of the lattice it starts on. packing_fraction: the share of the box that the particles fill. time:
+    duration, in which a particle collides about 3 times.
+    """
 
     name: str
     dimension: Literal[2, 3]
@@ -38,7 +42,7 @@ SPHERES = Gas("spheres", 3, "sc", 0.3, 0.5)
 
 
 def cooling_gas(gas: Gas) -> Scene:
-    """1000 smooth inelastic disks or spheres in a periodic box, T = 1 at the start."""
+    """1000 smooth inelastic disks or spheres in a periodic box, T = 1 at the start; gas: which ones."""
     return Scene(
         name="cooling",
         dimension=gas.dimension,

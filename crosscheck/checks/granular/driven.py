@@ -1,9 +1,9 @@
 """Driven scenes of hard spheres: means of soft grains, whose contacts last t_c, in the limit t_c -> 0.
 
-What a soft run has in the mean is off by a term of the first order in t_c: of a grain's time the share nu t_c is spent
-in contact (nu the collision rate), and of its contacts the same share are with two grains at once. So runs at two or
-more t_c give the value at t_c = 0 by a straight line, with its standard error, and that is compared with the
-event-driven run, which has no t_c. The second order is left to the error bar: it is (nu t_c)^2.
+Averages of soft runs carry an error of the first order in t_c: of a grain's time the share nu t_c is spent in contact
+(nu the collision rate), and of its contacts the same share are with two grains at once. So runs at two or more t_c give
+the value at t_c = 0 by a straight line, with its standard error, and that is compared with the event-driven run, which
+has no t_c. The error of second order, (nu t_c)^2, is not corrected: it lies below the standard error.
 
 The step's own error does not vanish with t_c at a given dt/t_c. At the dt/t_c of these checks an impact has alpha to
 1e-3 (of 0.9), alpha_t of a dashpot to 3e-3 and of a tangential spring to 0.6 dt/t_c at worst, in the mean over impacts.
@@ -31,7 +31,7 @@ BLOCKS = 20
 
 
 def trajectory(run: Run, skip: int) -> tuple[Floats, Floats]:
-    """Positions and velocities of the samples from number `skip` on, both (samples, N, d)."""
+    """Positions and velocities of the samples of `run` from number `skip` on, both (samples, N, d)."""
     return run["positions"][skip:], run["velocities"][skip:]
 
 
@@ -41,9 +41,9 @@ def trajectory(run: Run, skip: int) -> tuple[Floats, Floats]:
 def hard_limit(durations: Sequence[float], means: Sequence[Mean]) -> Mean:
     """Value at t_c = 0 of the straight line through means at several t_c, by least squares with weights 1/error^2.
 
-    durations: t_c of each mean (time). The error is that of the means, carried on; independent: the smallest number of
-    them. ValueError for fewer than two
-    durations, or an error that is not positive.
+    durations: t_c of each mean (time). means: one for each of them. The error of the result is propagated from theirs;
+    its number of independent samples is the smallest of theirs. ValueError for fewer than two different durations, or
+    an error that is not positive.
     """
     errors = np.array([mean.error for mean in means])
     if len(set(durations)) < 2 or not (errors > 0).all():
@@ -60,7 +60,7 @@ class Profile(NamedTuple):
     mean: Floats
 
     def means(self, values: Floats) -> list[Mean]:
-        """Mean over the blocks of each bin of `values`, one of the two."""
+        """Mean over the blocks, for each bin; values: `share` or `mean`, (blocks, bins)."""
         errors = standard_error(values)
         return [Mean(float(v), float(e), len(values)) for v, e in zip(values.mean(axis=0), errors, strict=True)]
 
@@ -68,8 +68,8 @@ class Profile(NamedTuple):
 def profile(places: ArrayLike, quantity: ArrayLike, edges: ArrayLike, blocks: int = BLOCKS) -> Profile:
     """Share and mean of a quantity over bins of the place, in each of `blocks` stretches of the samples.
 
-    places, quantity: (samples, N); edges: of the bins, (bins + 1,). A bin that is empty in a stretch has the mean NaN
-    there. Samples beyond a whole number of stretches are left out.
+    places, quantity: (samples, N); edges: of the bins, (bins + 1,). blocks: number of stretches. A bin
+    that is empty in a stretch has the mean NaN there. Samples beyond a whole number of stretches are left out.
     """
     x, q, ends = np.asarray(places), np.asarray(quantity), np.asarray(edges)
     length = len(x) // blocks
@@ -87,7 +87,11 @@ _WHY = "standard errors of correlated series; soft ones taken to t_c = 0 along a
 
 
 def against(quantity: str, limit: Mean, hard: Mean, needed: float, why: str = _WHY) -> Judgement:
-    """The soft limit against the event-driven mean; needed: the relative deviation that is to be seen."""
+    """The limit of the soft runs against the event-driven mean.
+
+    quantity: what both measure, in words. limit: of the soft runs, at t_c = 0. hard: of the event-driven run. needed:
+    the relative deviation that must be visible. why: the reason of the tolerance, in words.
+    """
     samples = min(limit.independent, hard.independent)
     return statistical(quantity, limit.value, limit.error, hard.value, hard.error, why, samples=samples, needed=needed)
 
@@ -95,7 +99,11 @@ def against(quantity: str, limit: Mean, hard: Mean, needed: float, why: str = _W
 def against_duration(
     title: str, label: str, engine: str, durations: Sequence[float], means: Sequence[Mean], hard: Mean
 ) -> Figure:
-    """A mean against t_c, with the event-driven one at 0 and the line's value there."""
+    """A mean against t_c, with the event-driven one at 0 and the line's value there.
+
+    title: of the figure. label: of the mean's axis. engine: name of that which ran soft grains. durations: t_c of the
+    soft runs (time). means: of each of them. hard: of the event-driven run. ValueError as in `hard_limit`.
+    """
     limit = hard_limit(durations, means)
     x, y = [0.0, *durations], [limit, *means]
     return Figure(
@@ -112,7 +120,11 @@ def against_duration(
 def curves(
     engine: str, x: Floats, durations: Sequence[float], soft_means: list[list[Mean]], hard: list[Mean]
 ) -> tuple[Series, ...]:
-    """Profiles of the soft runs and of the event-driven one."""
+    """Profiles of the soft runs and of the event-driven one.
+
+    engine: name of that which ran soft grains. x: middles of the bins, (bins,). durations: t_c of the soft runs (time).
+    soft_means: of each of them, one mean a bin. hard: those of the event-driven run.
+    """
     labels = [f"{engine}, t_c = {duration:g}" for duration in durations] + ["event-driven"]
     return tuple(
         Series(label, x.tolist(), [m.value for m in means], [m.error for m in means])
@@ -121,5 +133,5 @@ def curves(
 
 
 def listed(durations: Sequence[float], means: Sequence[Mean]) -> str:
-    """The means behind a limit, in words."""
+    """The means that a limit is taken from, in words; durations: t_c of each (time)."""
     return ", ".join(f"{m.value:.5g} +- {m.error:.2g} at t_c = {t:g}" for t, m in zip(durations, means, strict=True))

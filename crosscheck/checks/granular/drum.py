@@ -79,7 +79,10 @@ def _measured_drum(run: Run) -> _Heap:
 
 
 def nearest(value: float, one: Mean, other: Mean) -> Mean:
-    """The point of the interval between two means that is nearest to a value, with the error of the nearer mean."""
+    """The point of the interval from the mean `one` to the mean `other` that is nearest to `value`.
+
+    Its error is that of the mean that is nearer to `value`.
+    """
     low, high = sorted((one, other), key=lambda mean: mean.value)
     end = low if value < 0.5 * (low.value + high.value) else high
     return end._replace(value=min(max(value, low.value), high.value))
@@ -166,11 +169,11 @@ def _judge_drum(laboratory: Laboratory, _: str) -> Judged:
             hard_angle,
             0.12,
             "standard errors of correlated series, all taken to t_c = 0; "
-            "contacts that endure rub differently in each law",
+            "lasting contacts slide differently under the two laws",
         )
     ]
     if laboratory.engine != REFERENCE:
-        # the same law in two codes has no such latitude
+        # two codes with the same law must agree within standard errors alone
         again = _drum(laboratory.seed("refimpl"), None, 450.0)
         twin = _measured_drum(
             run_whole(laboratory, again, soft(duration=_DURATIONS[0], resolution=1 / 25), REFERENCE)

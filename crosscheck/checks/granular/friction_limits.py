@@ -41,7 +41,7 @@ from crosscheck.verdict import Judged, order, round_off, worst
 _WEAK_SLIPS = (1e-3, 1e-2)
 
 
-class Limit(NamedTuple):
+class _Limit(NamedTuple):
     """Friction of mu = 0 or mu = infinity, in `dimension` dimensions; name: of the variant, in figures."""
 
     name: str
@@ -50,15 +50,15 @@ class Limit(NamedTuple):
 
 
 LIMITS = (
-    Limit("frictionless-history", 2, SoftContact(0.8, -0.5, 0.0, 0.5, "history")),
-    Limit("frictionless-dashpot", 2, SoftContact(0.8, 0.3, 0.0, 0.5, "dashpot")),
-    Limit("no-limit-history", 2, SoftContact(0.8, -0.5, math.inf, 0.5, "history")),
-    Limit("no-limit-dashpot", 2, SoftContact(0.8, 0.3, math.inf, 0.5, "dashpot")),
-    Limit("3d-no-limit-history", 3, SoftContact(0.6, -0.9, math.inf, 0.4, "history")),
+    _Limit("frictionless-history", 2, SoftContact(0.8, -0.5, 0.0, 0.5, "history")),
+    _Limit("frictionless-dashpot", 2, SoftContact(0.8, 0.3, 0.0, 0.5, "dashpot")),
+    _Limit("no-limit-history", 2, SoftContact(0.8, -0.5, math.inf, 0.5, "history")),
+    _Limit("no-limit-dashpot", 2, SoftContact(0.8, 0.3, math.inf, 0.5, "dashpot")),
+    _Limit("3d-no-limit-history", 3, SoftContact(0.6, -0.9, math.inf, 0.4, "history")),
 )
 
 
-def _judge_frictionless(laboratory: Laboratory, limit: Limit) -> Judged:
+def _judge_frictionless(laboratory: Laboratory, limit: _Limit) -> Judged:
     """mu = 0: no torque, and no tangential force."""
     contact = limit.contact
     thetas = np.geomspace(0.1, 10.0, ANGLES)
@@ -87,7 +87,7 @@ def _judge_frictionless(laboratory: Laboratory, limit: Limit) -> Judged:
     )  # fmt: skip
 
 
-def _judge_no_limit(laboratory: Laboratory, limit: Limit) -> Judged:
+def _judge_no_limit(laboratory: Laboratory, limit: _Limit) -> Judged:
     """mu = infinity: u' = alpha_t u."""
     contact = limit.contact
     thetas = np.geomspace(*_WEAK_SLIPS, ANGLES)
@@ -129,7 +129,7 @@ def _judge_no_limit(laboratory: Laboratory, limit: Limit) -> Judged:
     )  # fmt: skip
 
 
-def _judge_friction_limits(laboratory: Laboratory, limit: Limit) -> Judged:
+def _judge_friction_limits(laboratory: Laboratory, limit: _Limit) -> Judged:
     return (_judge_frictionless if limit.contact.mu == 0 else _judge_no_limit)(laboratory, limit)
 
 

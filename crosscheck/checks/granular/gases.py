@@ -29,9 +29,10 @@ RESOLUTION = 0.025
 
 
 def relaxed(laboratory: Laboratory, scene: Scene, purpose: str, time: float) -> Scene:
-    """The scene from an equilibrium state: elastic hard spheres have run from its lattice for `time`.
+    """The scene with another initial state, in equilibrium: that of elastic hard spheres, run from its lattice.
 
-    purpose: seeds the lattice's velocities.
+    laboratory: runs them, event-driven, on the reference engine. scene: hard spheres that start on a lattice in a box.
+    purpose: gives the lattice's velocities a seed of their own. time: of that run.
     """
     assert isinstance(scene.initial, Lattice)
     lattice = scene.initial.model_copy(update={"seed": laboratory.seed(purpose)})
@@ -47,7 +48,7 @@ def relaxed(laboratory: Laboratory, scene: Scene, purpose: str, time: float) -> 
 
 
 def energies(run: Run) -> Floats:
-    """Kinetic energy at the samples, (samples,)."""
+    """Kinetic energy of `run` at the samples, (samples,)."""
     return run["kinetic_energy"]
 
 
@@ -64,9 +65,9 @@ def convergence(
 ) -> Judged:
     """Departure from 1 of `found` over `exact`, of the same states, as a power of 1/x, and what is left at the end.
 
-    quantity: what found/exact is, in words. engine: who found it. label: what x (n,) is. found: for each x, the values
-    of the first states; the first x is drawn, but lies beyond the range of one power, and is not fitted. exact: of all
-    states. power: the expected one, for the reason `why`. figures: further ones.
+    quantity: what found/exact is, in words. engine: name of that which ran them. label: what x (n,) is. found: for each
+    x, the values of the first states; the first x is drawn, but lies beyond the range of one power, and is not fitted.
+    exact: of all states. power: the expected one, for the reason `why`. figures: further ones.
     """
     departures, errors = [], []
     for values in found:
@@ -88,7 +89,7 @@ def convergence(
             Series(f"{engine}: power {-p:.3f}", x.tolist(), abs(law).tolist(), theory=True),
         ),
     )
-    values_of = ", ".join(f"{a:g}: {b:.5f}({c:.5f})" for a, b, c in zip(x, d, u, strict=True))
+    before = ", ".join(f"{a:g}: {b:.5f}({c:.5f})" for a, b, c in zip(x[:-1], d[:-1], u[:-1], strict=True))
     tolerance = ORDER_TOLERANCE * power
     return worst(
         [
@@ -111,7 +112,7 @@ def convergence(
                 needed=0.02,
             ),
         ],
-        f"{quantity} - 1 at x = {label}: {values_of}",
+        f"{quantity} - 1 before the end, at x = {label}: {before}",
         (figure, *figures),
     )
 
@@ -123,7 +124,7 @@ def _power_law(k: Floats, d: Floats, u: Floats) -> tuple[float, float, float]:
     def law(log_k: Floats, log_a: float, p: float) -> Floats:
         return np.asarray(np.exp(log_a - p * log_k))
 
-    # a guess from the softest, and a sign for all: a difference of either sign is one of its own
+    # first guess: the power 1/2 through the first point, whose sign the law has everywhere
     sign = math.copysign(1.0, d[0])
     guess = (math.log(abs(d[0])) + 0.5 * math.log(k[0]), 0.5)
     (log_a, p), covariance = curve_fit(law, np.log(k), sign * d, guess, u, absolute_sigma=True)

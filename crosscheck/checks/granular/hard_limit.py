@@ -68,7 +68,7 @@ def _wall_pressure(run: Run, scene: Scene, duration: float) -> float:
     return force / (2 * lengths.sum()) / (scene.number / lengths.prod() * _thermal(run, scene.number))
 
 
-class Quantity(NamedTuple):
+class _Quantity(NamedTuple):
     """What is measured of a run, given its scene and t_c; walled: else periodic; theory: of infinite systems."""
 
     name: str
@@ -78,13 +78,13 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = {
-    "pressure": Quantity("compressibility factor", _compressibility, theory=compressibility),
-    "collision-rate": Quantity("collision rate over T^(1/2)", _rate, theory=collision_rate),
-    "wall-pressure": Quantity("wall pressure over n T", _wall_pressure, walled=True),
+    "pressure": _Quantity("compressibility factor", _compressibility, theory=compressibility),
+    "collision-rate": _Quantity("collision rate over T^(1/2)", _rate, theory=collision_rate),
+    "wall-pressure": _Quantity("wall pressure over n T", _wall_pressure, walled=True),
 }
 
 
-def _judge_limit(laboratory: Laboratory, quantity: Quantity) -> Judged:
+def _judge_limit(laboratory: Laboratory, quantity: _Quantity) -> Judged:
     """A quantity of soft spheres at several t_c, by a parabola to t_c = 0, against the event-driven one."""
     measure, gas = quantity.measure, _elastic_gas(quantity.walled)
     starts = [relaxed(laboratory, gas, f"state {i}", 5.0) for i in range(REPLICAS)]

@@ -42,7 +42,7 @@ ALPHAS = (1.0, 0.9, 0.6, 0.2, 0.05)
 SPEEDS = (0.5, 1.0, 2.0)
 
 
-class Setup(NamedTuple):
+class _Setup(NamedTuple):
     """Law of the overlap, and whether grains hit a wall or each other; name: of the variant, in figures."""
 
     name: str
@@ -50,7 +50,7 @@ class Setup(NamedTuple):
     wall: bool = False
 
 
-SETUPS = (Setup("hooke"), Setup("hertz", law="hertz"), Setup("wall", wall=True))
+SETUPS = (_Setup("hooke"), _Setup("hertz", law="hertz"), _Setup("wall", wall=True))
 
 
 class _HeadOn(NamedTuple):
@@ -100,7 +100,7 @@ def _head_on(laboratory: Laboratory, law: Law, resolution: float, wall: bool) ->
     )
 
 
-def _judge_head_on(laboratory: Laboratory, setup: Setup) -> Judged:
+def _judge_head_on(laboratory: Laboratory, setup: _Setup) -> Judged:
     found = {
         (alpha, resolution): _head_on(laboratory, Law(alpha, law=setup.law), resolution, setup.wall)
         for alpha in ALPHAS

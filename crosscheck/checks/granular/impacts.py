@@ -50,10 +50,11 @@ STEP_LABEL = "dt / t_c"
 
 
 class Impacts(NamedTuple):
-    """P pairs (of grains, or of a grain and the wall y = 0), each with two bodies.
+    """P pairs (of grains, or of a grain and the wall y = 0) in `dimension` dimensions, each with two bodies.
 
-    masses, radii (P, 2), infinite and 0 of the wall; velocities, spins (P, 2, 3) before; normals (P, 3) from the second
-    to the first, and places (P, 3) of the contact at the first touch; q of all. phases (P,): steps to the first touch.
+    masses, radii: (P, 2), infinite and 0 of the wall. velocities, spins: before the impact, (P, 2, 3). normals: unit
+    vectors from the second body to the first, (P, 3). places: of the contact at the first touch, (P, 3). phases: time
+    steps to the first touch, (P,). q: I/(m R^2) of all grains. wall: the second body of each pair is the wall.
     """
 
     dimension: int
@@ -69,12 +70,12 @@ class Impacts(NamedTuple):
 
     @property
     def reduced(self) -> Floats:
-        """Reduced masses, (P,)."""
+        """Reduced mass of each pair, (P,)."""
         return np.asarray(1 / (1 / self.masses).sum(axis=1))
 
     @property
     def size(self) -> float:
-        """Largest coordinate."""
+        """Largest coordinate of the scene (length)."""
         return float(abs(self.places).max() + 2 * self.radii.max())
 
     @property
@@ -89,7 +90,10 @@ class Impacts(NamedTuple):
         return -(self.contact_velocity(self.velocities, self.spins) * self.normals).sum(axis=1)
 
     def contact_velocity(self, velocities: Floats, spins: Floats) -> Floats:
-        """Velocities of the surfaces along each other and along the normal, (P, 3), as `granular.contact_velocity`."""
+        """Velocity of the first surface relative to the second at the contact, (P, 3).
+
+        velocities, spins: of the bodies, (P, 2, 3). As `crosscheck.references.granular.contact_velocity` of one pair.
+        """
         rolling = np.cross((self.radii[:, :, None] * spins).sum(axis=1), self.normals)
         return np.asarray(velocities[:, 0] - velocities[:, 1] - rolling)
 
@@ -168,7 +172,10 @@ def _unit(vectors: Floats) -> Floats:
 
 
 class Law(NamedTuple):
-    """Of all contacts of a scene: restitution alpha; friction, None of smooth grains; the law of the overlap."""
+    """Of all contacts of a scene: coefficient of restitution `alpha`, friction, and law of the overlap.
+
+    friction: the soft contact with friction; None of smooth grains. law: "hooke", a linear spring, or "hertz".
+    """
 
     alpha: float
     friction: SoftContact | None = None
@@ -185,7 +192,8 @@ class Law(NamedTuple):
 def impact_scene(impacts: Impacts, law: Law, dt: float, steps: int, sampled: bool = False) -> Scene:
     """The scene of the impacts, `steps` times dt long; grains touch after their phases times dt.
 
-    sampled: positions and velocities at every step are asked for, else those at the end.
+    law: of all contacts. dt: time step (time). sampled: positions and velocities at every step are asked for, else
+    those at the end.
     """
     d, bodies = impacts.dimension, 1 if impacts.wall else 2
     started = impacts.touching() - (dt * impacts.phases)[:, None, None] * impacts.velocities
@@ -220,17 +228,24 @@ def impact_scene(impacts: Impacts, law: Law, dt: float, steps: int, sampled: boo
 
 
 def lasting(resolution: float) -> int:
-    """Steps from the start until all have parted: a contact and a quarter of one, and the steps before it."""
+    """Steps from the start until all pairs have parted: a contact and a quarter of one, and the steps before it.
+
+    resolution: dt/t_c.
+    """
     return math.ceil(1.25 / resolution) + 6
 
 
 def after(impacts: Impacts, run: Run) -> tuple[Floats, Floats]:
-    """Velocities and spins at the end, (P, 2, 3)."""
+    """Velocities and spins of the bodies of `impacts` at the end of their `run`, both (P, 2, 3)."""
     return bodies(impacts, run["final_velocities"]), bodies(impacts, run.get("final_angular_velocities"), spin=True)
 
 
 def bodies(impacts: Impacts, rows: Floats | None, spin: bool = False) -> Floats:
-    """(..., N, components) as (..., P, 2, 3); walls and what is absent are 0, the one component of a spin the third."""
+    """Vectors of N grains, in the order of `impact_scene`, as those of the P pairs of `impacts`, (..., P, 2, 3).
+
+    rows: (..., N, components), or None: all zero. spin: a single component is the third. Components that are absent and
+    the vectors of walls are 0.
+    """
     number = len(impacts.masses)
     if rows is None:
         return np.zeros((number, 2, 3))
@@ -243,7 +258,11 @@ def bodies(impacts: Impacts, rows: Floats | None, spin: bool = False) -> Floats:
 
 
 def rebound(impacts: Impacts, velocities: Floats, spins: Floats) -> tuple[Floats, Floats]:
-    """Of the contacts after the impact: v'_n/v_n, and the slip along the slip before over v_n, each (P,)."""
+    """Of each contact after the impact: v'_n/v_n, and u'/v_n, both (P,).
+
+    v_n: speed of approach before, u': slip after, along the slip before. impacts: as before. velocities, spins: after,
+    (P, 2, 3).
+    """
     g, slips = impacts.contact_velocity(velocities, spins), impacts.slips
     sizes = np.linalg.norm(slips, axis=1)
     along = (g * slips).sum(axis=1) / np.where(sizes > 0, sizes, 1.0)
@@ -251,7 +270,7 @@ def rebound(impacts: Impacts, velocities: Floats, spins: Floats) -> tuple[Floats
 
 
 def overlaps(impacts: Impacts, run: Run) -> Floats:
-    """delta of every pair at every sample, negative while apart, (samples, P)."""
+    """Overlap delta of every pair of `impacts` at every sample of their `run`, negative while apart, (samples, P)."""
     places = bodies(impacts, run["positions"])
     if impacts.wall:
         return np.asarray(impacts.radii[:, 0] - places[:, :, 0, 1])
@@ -260,7 +279,7 @@ def overlaps(impacts: Impacts, run: Run) -> Floats:
 
 
 def turns(impacts: Impacts) -> Floats:
-    """Bounds on what the turn of the line of centres during a contact changes of g'/v, v = 1; (P,).
+    """Of each pair of `impacts`, a bound on the change of g'/v by the turn of the line of centres, v = 1; (P,).
 
     The line turns by |v_1 - v_2| t_c over the distance of the centres. With it turn the impulse, 2 v at most, and the
     direction along which the grains approach.
@@ -270,19 +289,25 @@ def turns(impacts: Impacts) -> Floats:
 
 
 def wander(impacts: Impacts, steps: int) -> float:
-    """Four standard errors of a coordinate (length), which every step rounds: a random walk."""
+    """Four standard errors of a coordinate (length) that each of `steps` steps rounds: a random walk.
+
+    impacts: their largest coordinate sets the size of a rounding.
+    """
     return 4 * math.sqrt(steps) * EPSILON * impacts.size
 
 
 def rounded_speed(impacts: Impacts, steps: int, alpha: float, duration: float) -> float:
     """Change of a velocity by an overlap that is off by `wander`: times omega_0^2 t_c = (pi^2 + ln^2 alpha)/t_c.
 
-    steps: of the run; alpha: restitution; duration: t_c (time).
+    impacts, steps: as for `wander`. alpha: coefficient of restitution. duration: t_c (time).
     """
     return wander(impacts, steps) * (math.pi**2 + math.log(alpha) ** 2) / duration
 
 
 def ratio_judgement(what: str, errors: Sequence[float], bounds: Sequence[float], why: str, **more: object) -> Judged:
-    """The largest of errors over their bounds, 1 at most; both in the same order, all points of one curve."""
+    """The largest of `errors` over their `bounds`, which may be 1 at most; both in the same order.
+
+    what: the error, in words. why: the reason of the bounds, in words. more: further arguments of `bounded`.
+    """
     ratios = np.asarray(errors) / np.asarray(bounds)
     return bounded(f"{what}, over its bound", float(ratios.max()), 1.0, why, **more)  # type: ignore[arg-type]

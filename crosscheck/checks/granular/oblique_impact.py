@@ -47,7 +47,7 @@ OBLIQUE_RESOLUTIONS = (1 / 160.4, 1 / 640.4, 1 / 2560.4)
 HARD_RULE_RESOLUTIONS = (1 / 10.4, 1 / 40.4, 1 / 160.4)
 
 
-class Oblique(NamedTuple):
+class _Oblique(NamedTuple):
     """Impacts in `dimension` dimensions, of grains or with a wall; name: of the variant, in figures.
 
     hard_rule: the soft contact is the hard rule at every angle.
@@ -61,18 +61,18 @@ class Oblique(NamedTuple):
 
 
 OBLIQUE = (
-    Oblique("2d-history", 2, SoftContact(0.8, -0.5, 0.3, 0.5, "history")),
-    Oblique("2d-dashpot", 2, SoftContact(0.8, 0.3, 0.3, 0.5, "dashpot")),
-    Oblique("2d-wall-history", 2, SoftContact(0.6, -0.3, 0.4, 0.5, "history"), wall=True),
-    Oblique("2d-wall-dashpot", 2, SoftContact(0.6, 0.2, 0.4, 0.4, "dashpot"), wall=True),
-    Oblique("2d-hard-rule", 2, SoftContact(1.0, -1.0, 0.3, 0.5, "history"), hard_rule=True),
-    Oblique("3d-history", 3, SoftContact(0.9, -0.7, 0.5, 0.4, "history")),
-    Oblique("3d-dashpot", 3, SoftContact(0.5, 0.5, 0.2, 0.4, "dashpot")),
-    Oblique("3d-wall-history", 3, SoftContact(0.7, 0.0, 0.3, 0.4, "history"), wall=True),
+    _Oblique("2d-history", 2, SoftContact(0.8, -0.5, 0.3, 0.5, "history")),
+    _Oblique("2d-dashpot", 2, SoftContact(0.8, 0.3, 0.3, 0.5, "dashpot")),
+    _Oblique("2d-wall-history", 2, SoftContact(0.6, -0.3, 0.4, 0.5, "history"), wall=True),
+    _Oblique("2d-wall-dashpot", 2, SoftContact(0.6, 0.2, 0.4, 0.4, "dashpot"), wall=True),
+    _Oblique("2d-hard-rule", 2, SoftContact(1.0, -1.0, 0.3, 0.5, "history"), hard_rule=True),
+    _Oblique("3d-history", 3, SoftContact(0.9, -0.7, 0.5, 0.4, "history")),
+    _Oblique("3d-dashpot", 3, SoftContact(0.5, 0.5, 0.2, 0.4, "dashpot")),
+    _Oblique("3d-wall-history", 3, SoftContact(0.7, 0.0, 0.3, 0.4, "history"), wall=True),
 )
 
 
-def _judge_oblique(laboratory: Laboratory, case: Oblique) -> Judged:
+def _judge_oblique(laboratory: Laboratory, case: _Oblique) -> Judged:
     contact, hard_rule = case.contact, case.hard_rule
     limit = granular.sliding_limit(contact.alpha, contact.alpha_t, contact.mu, contact.q)
     thetas = limit * ANGLE_RANGE * (np.arange(ANGLES) + 0.5) / ANGLES

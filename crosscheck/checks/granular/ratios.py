@@ -39,7 +39,7 @@ SIZE_RATIOS = (1.0, 2.0, 5.0, 10.0, 30.0)
 _ALPHA, _RESOLUTION = 0.5, 1 / 160
 
 
-class Unlike(NamedTuple):
+class _Unlike(NamedTuple):
     """What of the grains is unlike: both, by the same ratio, sizes up to the largest of `SIZE_RATIOS` only."""
 
     name: str
@@ -47,7 +47,7 @@ class Unlike(NamedTuple):
     sizes: bool = False
 
 
-UNLIKE = (Unlike("masses", masses=True), Unlike("sizes", sizes=True), Unlike("both", masses=True, sizes=True))
+UNLIKE = (_Unlike("masses", masses=True), _Unlike("sizes", sizes=True), _Unlike("both", masses=True, sizes=True))
 
 
 def _momentum_lost(impacts: Impacts, velocities: Floats) -> Floats:
@@ -58,7 +58,7 @@ def _momentum_lost(impacts: Impacts, velocities: Floats) -> Floats:
     return np.asarray(abs(momenta[0] - momenta[1]).max(axis=1) / carried)
 
 
-def _impacts(unlike: Unlike, seed: int) -> tuple[Floats, Impacts]:
+def _impacts(unlike: _Unlike, seed: int) -> tuple[Floats, Impacts]:
     """Ratios (P,), and impacts of heavy or large grains at rest, hit by those of mass and diameter 1."""
     ratios = np.repeat(MASS_RATIOS if unlike.masses else SIZE_RATIOS, PHASES)
     pairs = np.stack([np.ones(ratios.size), ratios], axis=1)
@@ -70,7 +70,7 @@ def _impacts(unlike: Unlike, seed: int) -> tuple[Floats, Impacts]:
     )
 
 
-def _judge_ratios(laboratory: Laboratory, unlike: Unlike) -> Judged:
+def _judge_ratios(laboratory: Laboratory, unlike: _Unlike) -> Judged:
     ratios, impacts = _impacts(unlike, laboratory.seed())
     reduced, law = impacts.reduced, Law(_ALPHA)
     k = stiffness(_ALPHA, float(reduced.min()), CENTRAL_DURATION)

@@ -40,7 +40,7 @@ from crosscheck.verdict import Judged, order, statistical, within, worst
 # -- towards 1, and towards 0 ------------------------------------------------------------------------------------------
 
 
-class Towards(NamedTuple):
+class _Towards(NamedTuple):
     """Restitutions towards `limit`, the nearest last, at these dt/t_c, and the order of the error at the last one."""
 
     limit: int
@@ -49,9 +49,9 @@ class Towards(NamedTuple):
     order: float
 
 
-TOWARDS_1 = Towards(1, (0.99, 0.9999, 1 - 1e-6, 1.0), RESOLUTIONS, 2.0)
+TOWARDS_1 = _Towards(1, (0.99, 0.9999, 1 - 1e-6, 1.0), RESOLUTIONS, 2.0)
 #: As alpha -> 0, t_c is long, and d ln alpha = -pi d zeta/(1 - zeta^2)^(3/2) asks for small steps.
-TOWARDS_0 = Towards(0, (1e-2, 1e-3, 1e-6), (1e-3, 2.5e-4, 6.25e-5), 1.0)
+TOWARDS_0 = _Towards(0, (1e-2, 1e-3, 1e-6), (1e-3, 2.5e-4, 6.25e-5), 1.0)
 
 
 def _rebounds(laboratory: Laboratory, alpha: float, resolution: float) -> tuple[Floats, float]:
@@ -65,7 +65,7 @@ def _rebounds(laboratory: Laboratory, alpha: float, resolution: float) -> tuple[
     return rebound(impacts, *after(impacts, run))[0], hooke_bounds(alpha, resolution).restitution + rounding
 
 
-def _judge_towards(laboratory: Laboratory, case: Towards) -> Judged:
+def _judge_towards(laboratory: Laboratory, case: _Towards) -> Judged:
     alphas, resolutions = case.alphas, case.resolutions
     found = {(a, r): _rebounds(laboratory, a, r) for a in alphas for r in resolutions}
     # a grain that does not come back is further off than any bound
@@ -105,8 +105,9 @@ def _judge_zero(laboratory: Laboratory) -> Judged:
 
 #: Disks of the elastic gas, packing fraction, contact time and duration in units of diameter and thermal speed.
 _GAS, _GAS_PACKING, _GAS_CONTACT, _GAS_TIME = 100, 0.3, 0.02, 4.0
-#: Steps in a contact: the relative motion's energy changes by h^2 (B_2(s) - B_2(s')), s and s' the phases of the step
-#: at its ends: as if independent where B_4 = 0, at a fraction of 0.24; elsewhere in many steps only.
+#: Steps in a contact. A contact changes the energy of the relative motion by h^2 (B_2(s) - B_2(s')), s and s' the
+#: phases of the step at its two ends, B_n Bernoulli's polynomials. The two terms are uncorrelated where B_4 of the
+#: fractional part of the steps is 0, at 0.24; elsewhere only if the steps are many.
 _GAS_STARTS, _GAS_STEPS = 24, (20.24, 60.24, 180.24)
 
 
@@ -160,8 +161,8 @@ def _judge_gas(laboratory: Laboratory) -> Judged:
     )  # fmt: skip
 
 
-def _judge_limits(laboratory: Laboratory, case: Towards | Literal["zero", "elastic-gas"]) -> Judged:
-    if isinstance(case, Towards):
+def _judge_limits(laboratory: Laboratory, case: _Towards | Literal["zero", "elastic-gas"]) -> Judged:
+    if isinstance(case, _Towards):
         return _judge_towards(laboratory, case)
     return _judge_zero(laboratory) if case == "zero" else _judge_gas(laboratory)
 

@@ -11,6 +11,9 @@ CONTACTS = "stepping/kernels/contacts.py"
 
 
 def soft_needs(words: str = "", observables: str = "") -> Needs:
-    """Hard spheres as soft ones, by time steps. words, observables: what is needed beside that, apart by spaces."""
+    """What a check of hard spheres, run as soft ones by time steps, asks of an engine.
+
+    words, observables: further entries of `Needs`, each in one text, separated by spaces.
+    """
     contact = "method.contact method.contact.law=hooke"
     return Needs("hard_spheres", ("stepping",), frozenset(f"{contact} {words}".split()), frozenset(observables.split()))

@@ -23,7 +23,7 @@ from crosscheck.verdict import Judged, within
 
 #: Steps of a grain between two walls, and its speed, in diameters and units of omega_0.
 STABLE_STEPS, STABLE_SPEED = 4000, 1e-9
-#: Growth beyond which it explodes: just below the limit it may grow with the steps, 2 a step (a Jordan block).
+#: Growth that counts as unstable: just below the limit it may grow with the steps, 2 a step (a Jordan block).
 EXPLODED = 10.0 * STABLE_STEPS
 #: Restitutions.
 _ALPHAS = {"elastic": 1.0, "damped": 0.7, "strongly-damped": 0.05}
@@ -32,7 +32,10 @@ _BISECTED = 2e-5
 
 
 def bisect(explodes: Callable[[float], bool], low: float, high: float, width: float) -> float:
-    """The place from where on it explodes, to `width`. ValueError unless it lies between low and high."""
+    """The smallest argument at which `explodes` holds, to within `width`.
+
+    ValueError unless it lies between `low`, where it must not hold, and `high`, where it must.
+    """
     if explodes(low) or not explodes(high):
         raise ValueError(f"the limit does not lie between {low} and {high}")
     while high - low > width:

@@ -35,7 +35,7 @@ _PAIRS = 100
 _PEER = "lammps"
 
 
-class Pairs(NamedTuple):
+class _Pairs(NamedTuple):
     """What meets, in `dimension` dimensions; name: of the variant, in figures.
 
     contact: None of smooth grains. unlike: masses and sizes are. wall: grains hit a wall, not each other.
@@ -49,18 +49,18 @@ class Pairs(NamedTuple):
 
 
 TWO_CODES = (
-    Pairs("2d-history", 2, SoftContact(0.8, -0.5, 0.3, 0.5, "history")),
-    Pairs("2d-dashpot", 2, SoftContact(0.8, 0.3, 0.3, 0.5, "dashpot")),
-    Pairs("2d-wall-history", 2, SoftContact(0.8, -0.5, 0.3, 0.5, "history"), wall=True),
-    Pairs("2d-unlike-smooth", 2, None, unlike=True),
-    Pairs("2d-unlike-history", 2, SoftContact(0.8, -0.5, 0.3, 0.5, "history"), unlike=True),
-    Pairs("3d-history", 3, SoftContact(0.7, -0.6, 0.5, 0.4, "history")),
-    Pairs("3d-unlike-dashpot", 3, SoftContact(0.7, 0.2, 0.5, 0.4, "dashpot"), unlike=True),
-    Pairs("3d-unlike-history", 3, SoftContact(0.7, -0.6, 0.5, 0.4, "history"), unlike=True),
+    _Pairs("2d-history", 2, SoftContact(0.8, -0.5, 0.3, 0.5, "history")),
+    _Pairs("2d-dashpot", 2, SoftContact(0.8, 0.3, 0.3, 0.5, "dashpot")),
+    _Pairs("2d-wall-history", 2, SoftContact(0.8, -0.5, 0.3, 0.5, "history"), wall=True),
+    _Pairs("2d-unlike-smooth", 2, None, unlike=True),
+    _Pairs("2d-unlike-history", 2, SoftContact(0.8, -0.5, 0.3, 0.5, "history"), unlike=True),
+    _Pairs("3d-history", 3, SoftContact(0.7, -0.6, 0.5, 0.4, "history")),
+    _Pairs("3d-unlike-dashpot", 3, SoftContact(0.7, 0.2, 0.5, 0.4, "dashpot"), unlike=True),
+    _Pairs("3d-unlike-history", 3, SoftContact(0.7, -0.6, 0.5, 0.4, "history"), unlike=True),
 )
 
 
-def _judge_two_codes(laboratory: Laboratory, pairs: Pairs) -> Judged:
+def _judge_two_codes(laboratory: Laboratory, pairs: _Pairs) -> Judged:
     contact, unlike = pairs.contact, pairs.unlike
     rng = np.random.default_rng(laboratory.seed("grains"))
     shape = (_PAIRS, 2)

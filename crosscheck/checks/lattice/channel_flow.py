@@ -25,14 +25,14 @@ ROWS, COLUMNS = 64, 512
 STRETCHES, WARM, STEPS, EVERY = 16, 30_000, 8000, 50
 
 
-class Channel(NamedTuple):
+class _Channel(NamedTuple):
     """A gas between walls with this rule of reflection."""
 
     model: str
     rule: Literal["bounce_back", "diffusive_y"]
 
 
-def _run(laboratory: Laboratory, channel: Channel) -> Run:
+def _run(laboratory: Laboratory, channel: _Channel) -> Run:
     output = Output(interval=EVERY, observables=("populations", "force_impulse"), fields=(1, ROWS))
     scene = gas_scene(
         "channel",
@@ -48,8 +48,8 @@ def _run(laboratory: Laboratory, channel: Channel) -> Run:
     return laboratory.run(scene, LATTICE)
 
 
-def _judge(laboratory: Laboratory, channel: Channel) -> Judged:
-    """nu j'' = -F(y), no slip, and nu as the shear wave has it.
+def _judge(laboratory: Laboratory, channel: _Channel) -> Judged:
+    """nu j'' = -F(y), no slip, and nu that of the shear wave.
 
     The force pushes less where the gas moves, for it needs a particle to turn: its own profile F(y), counted exactly,
     is integrated twice.
@@ -102,7 +102,7 @@ def _judge(laboratory: Laboratory, channel: Channel) -> Judged:
     return worst(judgements, f"Boltzmann's nu {known.shear_viscosity(name, 0.5):.4g}", (figure,))
 
 
-def _name(channel: Channel) -> str:
+def _name(channel: _Channel) -> str:
     return f"{channel.model}-{'bounce' if channel.rule == 'bounce_back' else 'diffusive'}"
 
 
@@ -119,7 +119,7 @@ CHECKS = (
             **{
                 _name(channel): channel
                 for model in ("fhp_saturated", "fhp3")
-                for channel in (Channel(model, "bounce_back"), Channel(model, "diffusive_y"))
+                for channel in (_Channel(model, "bounce_back"), _Channel(model, "diffusive_y"))
             }
         ),
         faults=(

@@ -40,7 +40,7 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     settled = counts[4:]
     rho = float(settled[0].sum())
     velocity = settled[0] @ velocities.cartesian / rho
-    # mass and momentum of this very gas are what they are: no error in the expectation
+    # for the exact mass and momentum of this gas: the expected value has no error
     expected = fermi_dirac(name, rho / velocities.channels, velocity)
     judgements = []
     for i in range(velocities.channels):

@@ -16,7 +16,10 @@ MODEL = "fhp3"
 
 
 def mean_velocity(counts: Floats) -> Floats:
-    """Mean velocity of blocks, (..., 2), links per step; NaN where there is nothing. counts: particles, (..., b)."""
+    """Mean velocity of blocks, (..., 2), links per step; NaN in empty blocks.
+
+    counts: particles by channel, (..., b).
+    """
     mass = counts.sum(axis=-1)
     with np.errstate(invalid="ignore"):
         return counts @ VELOCITIES[MODEL].cartesian / np.where(mass > 0, mass, np.nan)[..., None]
@@ -25,7 +28,8 @@ def mean_velocity(counts: Floats) -> Floats:
 def vorticity_map(title: str, velocity: Floats, size: tuple[float, float], coarse: int) -> Figure:
     """Vorticity of blocks with arrows of the velocity on blocks `coarse` times as large.
 
-    velocity: (blocks along x, along y, 2). size: of the whole field along x and y, in links.
+    title: of the figure. velocity: (blocks along x, along y, 2), links per step. size: of the whole field along x and
+    y, in links.
     """
     width, height = size
     nx, ny = velocity.shape[:2]

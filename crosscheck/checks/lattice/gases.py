@@ -49,21 +49,28 @@ ONE_OUTCOME = Fault(
 
 
 class State(NamedTuple):
-    """A gas at rest: model, and d, its mean occupation."""
+    """A gas at rest; model: its name; density: d, the mean occupation of a channel."""
 
     model: str
     density: float
 
 
 def at_densities(names: Iterable[str], densities: Iterable[float], tier: Tier = "full") -> tuple[Variant, ...]:
-    """Variants such as fhp1-d0.3, whose values are `State`."""
+    """Variants such as fhp1-d0.3, whose values are `State`.
+
+    names: of the models. densities: d of each. tier: of all of them.
+    """
     return tuple(Variant(f"{name}-d{density:g}", State(name, density), tier) for name in names for density in densities)
 
 
 def gas_scene(
     name: str, model: str, rows: int, columns: int, steps: int, initial: Occupations, output: Output, **gas: Any
 ) -> Scene:
-    """A lattice gas of rows x columns sites for so many steps; what `gas` says goes into [lattice_gas]."""
+    """A lattice gas of rows x columns sites for so many steps.
+
+    name: of the scene. model: name of the gas. initial: occupations at the start. output: what is measured. gas:
+    further entries of `LatticeGas`.
+    """
     return Scene(
         name=name,
         dimension=2,
@@ -75,17 +82,20 @@ def gas_scene(
 
 
 def filled(density: float | tuple[float, ...], seed: int, **more: Any) -> Occupations:
-    """Channels filled at random in local equilibrium; density: d, one or per row. more: entries of `Occupations`."""
+    """Channels filled at random in local equilibrium.
+
+    density: d, one or per row. seed: of the random numbers. more: further entries of `Occupations`.
+    """
     return Occupations(kind="occupations", density=density, seed=seed, **more)
 
 
 def filled_channels(occupations: Floats, seed: int) -> Occupations:
-    """Channels filled at random with these mean occupations, (b,), at every site."""
+    """Channels filled at random with the mean `occupations`, (b,), at every site; seed: of the random numbers."""
     return Occupations(kind="occupations", channels=tuple(occupations.tolist()), seed=seed)
 
 
 def populations(run: Run) -> Floats:
-    """Particles (samples, blocks along x, along y, b)."""
+    """Numbers of particles in `run`, (samples, blocks along x, along y, b)."""
     return run["populations"]
 
 
@@ -97,7 +107,10 @@ def methods_for(engine: str, scene: Scene) -> list[Method]:
 
 
 def boltzmann_method(laboratory: Laboratory) -> Method:
-    """The engine's first scheme that iterates mean occupations: it measures H. Unsupported without one."""
+    """The first scheme of the laboratory's engine that iterates mean occupations, that is, measures H.
+
+    Unsupported if there is none.
+    """
     probe = gas_scene("probe", "hpp", 2, 2, 0, filled(0.5, 0), Output(interval=1, observables=("h_function",)))
     found = methods_for(laboratory.engine, probe)
     if not found:
@@ -109,12 +122,18 @@ def boltzmann_method(laboratory: Laboratory) -> Method:
 
 
 def equilibrium_start(model: str, density: float, velocity: ArrayLike) -> Floats:
-    """Fermi-Dirac occupations (b,) as scenes start with them; density: d. velocity: (2,), links per step."""
+    """Fermi-Dirac occupations (b,) as scenes start with them.
+
+    model: name of the gas. density: d. velocity: (2,), links per step.
+    """
     return theory.fermi_dirac(models.MODELS[model].velocities, density, velocity)
 
 
 def away(model: str, f: Floats) -> Floats:
-    """Occupations (b,) with the mass and the momentum of f (b,), as far from it as half of the room allows."""
+    """Occupations (b,) with the mass and the momentum of f (b,), half as far from it as occupations of 0 to 1 allow.
+
+    model: name of the gas.
+    """
     velocities = VELOCITIES[model]
     charges = np.vstack([np.ones(velocities.channels), velocities.cartesian.T])
     # a direction that changes neither mass nor momentum

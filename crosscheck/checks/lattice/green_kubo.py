@@ -29,10 +29,11 @@ LAGS = 256
 
 
 class Fluctuations(NamedTuple):
-    """Of sum_i w_i n_i in gases at rest, C(t) over C(0), which is exact. density: the mean of these very gases.
+    """Autocorrelation C(t) of sum_i w_i n_i in gases at rest, over the exact C(0).
 
-    first: C(0) and C(1), (gases, 2), about the mean of the ensemble, zero. correlation: C by lag, (gases, lags), about
-    the mean of each gas, for what one gas conserves never decays. ratio: C(0) over the variance of the momentum.
+    density: d, the mean of these gases. first: C(0) and C(1) about the mean of the ensemble, zero, (gases, 2).
+    correlation: C by lag about the mean of each gas, (gases, lags): what a gas conserves would never decay otherwise.
+    ratio: C(0) over the variance of the momentum.
     """
 
     density: float
@@ -41,13 +42,19 @@ class Fluctuations(NamedTuple):
     ratio: float
 
     def diffusivity(self, frequency: float) -> Floats:
-        """The transport coefficient (sum_0^t C cos(omega t) - C(0)/2)/chi by the last lag, (gases, lags)."""
+        """Transport coefficient (sum_0^t C cos(omega t) - C(0)/2)/chi of each gas by the last lag t, (gases, lags).
+
+        frequency: omega, per step.
+        """
         waves = np.cos(frequency * np.arange(LAGS))
         return self.ratio * (np.cumsum(self.correlation * waves, axis=1) - 0.5)
 
 
 def fluctuations(laboratory: Laboratory, name: str, density: float, weights: list[Floats], size: int) -> Fluctuations:
-    """Runs gases at rest, size x size sites, and correlates the equivalent moments `weights`, each (b,)."""
+    """Runs `MEMBERS` gases at rest, size x size sites, and correlates the equivalent moments `weights`, each (b,).
+
+    laboratory: runs them on the engine under judgement. name: of the model. density: d.
+    """
     velocities, steps, sites = VELOCITIES[name], 12_500, size * size
     output = Output(interval=1, observables=("populations",))
     c_y = velocities.cartesian[:, 1]
@@ -71,7 +78,8 @@ def fluctuations(laboratory: Laboratory, name: str, density: float, weights: lis
 def first_step(name: str, found: Fluctuations, weights: Floats, label: str) -> Judgement:
     """C(1)/C(0) = 1 - lambda, exactly: before the first collision the channels of a gas at rest are independent.
 
-    weights: the moment (b,), one that relaxes with the rate of the shear stress.
+    name: of the model. found: measured in gases at rest. weights: the moment (b,), one that relaxes with the rate of
+    the shear stress. label: of the moment, in words.
     """
     # C(1) - slope (C(0) - 1): a slope near C(1) removes the scatter of C(0); any slope leaves the mean as it is
     slope = 1 - theory.relaxation_rate(models.MODELS[name], found.density, weights)
@@ -95,11 +103,12 @@ def against_green_kubo(
     rate: float,
     frequency: float = 0.0,
 ) -> tuple[Judgement, str]:
-    """A coefficient measured by a wave against that of the fluctuations, of its frequency; and a note of Boltzmann's.
+    """A transport coefficient measured by a wave against that of the fluctuations; and a note with Boltzmann's values.
 
-    measured: of each gas, links^2 per step. boltzmann: at this k and at k = 0. rate: of the wave's decay, per step; two
-    modes of its lattice decay at least at half of it, so the stress remembers no longer than 2/rate. Where noise
-    outweighs the tail, the sum ends earlier.
+    label: of the coefficient. measured: of each gas, links^2 per step. boltzmann: the coefficient by the Boltzmann
+    equation, at this k and at k = 0. found: the fluctuations of gases at rest. rate: of the wave's decay, per step; two
+    modes of its lattice decay at least at half of it, so the stress is correlated over 2/rate steps at most. Where
+    noise outweighs the tail, the sum ends earlier. frequency: of the wave, per step.
     """
     cumulated = found.diffusivity(frequency)
 

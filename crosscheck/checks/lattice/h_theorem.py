@@ -28,14 +28,14 @@ from crosscheck.statistics import independent_mean
 from crosscheck.verdict import Judged, bounded, statistical, worst
 
 
-class Case(NamedTuple):
+class _Case(NamedTuple):
     """A model, moved as mean occupations by the Boltzmann equation, or as an ensemble of gases."""
 
     model: str
     ensemble: bool
 
 
-def _judge(laboratory: Laboratory, case: Case) -> Judged:
+def _judge(laboratory: Laboratory, case: _Case) -> Judged:
     return _of_ensemble(laboratory, case.model) if case.ensemble else _of_boltzmann(laboratory, case.model)
 
 
@@ -102,7 +102,7 @@ def _of_ensemble(laboratory: Laboratory, name: str) -> Judged:
         h = entropy_density(counts)
         after = counts[0] + mean_collision(name, counts[0])
         rho = counts[0].sum()
-        # as scenes have it, for it enters what is measured; tests compare it with the references'
+        # refimpl's, as scenes use it: it is part of what is measured; tests compare it with the references'
         last = equilibrium_start(name, rho / velocities.channels, counts[0] @ velocities.cartesian / rho)
         first.append((h[0] - h[1]) - float(h[0] - entropy_density(after)))
         rises.append(np.diff(h))
@@ -150,7 +150,7 @@ CHECKS = (
         citation=FHP + ", appendix F (M. Henon)",
         judge=_judge,
         variants=tuple(
-            Variant(f"{name}-{'ensemble' if ensemble else 'boltzmann'}", Case(name, ensemble), "full")
+            Variant(f"{name}-{'ensemble' if ensemble else 'boltzmann'}", _Case(name, ensemble), "full")
             for name in MODELS
             for ensemble in (False, True)
         ),

@@ -28,7 +28,7 @@ WAVENUMBER = 2 * math.pi / COLUMNS
 EVERY, MEMBERS, BLOCKS = 500, 10, (26, 40)
 
 
-class Layers(NamedTuple):
+class _Layers(NamedTuple):
     """Speed of the flow on either side (links per step), and steps of the run."""
 
     speed: float
@@ -45,7 +45,7 @@ class Layers(NamedTuple):
         return double_layer(np.arange(ROWS) * STEP, HEIGHT, self.speed, WIDTH)
 
 
-def _measure(laboratory: Laboratory, layers: Layers, shape: Any) -> tuple[Floats, Floats]:
+def _measure(laboratory: Laboratory, layers: _Layers, shape: Any) -> tuple[Floats, Floats]:
     """Amplitude of the wave over that of the theory, (members, samples); and the mean of the last fields.
 
     The velocity across the layers is projected on the shape that the theory gives it at each time, (samples, blocks): a
@@ -69,7 +69,7 @@ def _measure(laboratory: Laboratory, layers: Layers, shape: Any) -> tuple[Floats
     return np.array(shares), last
 
 
-def _judge(laboratory: Laboratory, layers: Layers) -> Judged:
+def _judge(laboratory: Laboratory, layers: _Layers) -> Judged:
     """Growth of a wave on two tanh layers, against the linearised vorticity equation of the spreading flow."""
     speed = layers.speed
     times = np.arange(0, layers.steps + 1, EVERY, dtype=float)
@@ -162,7 +162,7 @@ CHECKS = (
         criterion="growth rate of the linear theory of the spreading flow",
         citation="Michalke, J. Fluid Mech. 19, 543 (1964); Drazin & Reid, Hydrodynamic Stability, Cambridge (1981)",
         judge=_judge,
-        variants=full(**{"U0.2": Layers(0.2, 20_000), "U0.15": Layers(0.15, 26_000)}),
+        variants=full(**{"U0.2": _Layers(0.2, 20_000), "U0.15": _Layers(0.15, 26_000)}),
         faults=(
             (
                 "U0.2",

@@ -55,7 +55,7 @@ def _judge(laboratory: Laboratory, steps: int) -> Judged:
 CHECKS = (
     Check(
         name="lattice/reversal",
-        title="HPP runs backwards to where it came from",
+        title="HPP without random numbers is reversible: steps forward and back restore the lattice",
         equation="(R C)(C S)^n (R C)(C S)^n = 1",
         criterion="the identical lattice",
         citation="Hardy, de Pazzis & Pomeau, Phys. Rev. A 13, 1949 (1976)",

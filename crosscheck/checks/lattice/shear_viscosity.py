@@ -36,7 +36,7 @@ CHECKS = (
         name="lattice/shear-viscosity",
         title="Decay of shear waves: viscosity beside Boltzmann's and Green-Kubo's",
         equation="u_x(y, t) = u_0 sin(k y) exp(-nu k^2 t), nu = (1/lambda - 1/2)/4",
-        criterion="first step of the stress exactly 1 - lambda; nu as the fluctuations at rest have it",
+        criterion="first step of the stress exactly 1 - lambda; nu that of the fluctuations at rest",
         citation=FHP
         + "; Henon, Complex Systems 1, 762 (1987); Kadanoff, McNamara & Zanetti, Phys. Rev. A 40, 4527 (1989)",
         judge=_judge,

@@ -164,7 +164,7 @@ CHECKS = (
         name="lattice/sound-attenuation",
         title="Standing sound waves: damping beside Boltzmann's and Green-Kubo's",
         equation="alpha = (k^2/2)(nu + zeta/rho)",
-        criterion="first step of the stress exactly 1 - lambda; damping as the fluctuations at rest have it",
+        criterion="first step of the stress exactly 1 - lambda; damping that of the fluctuations at rest",
         citation=FHP + "; Henon, Complex Systems 1, 762 (1987)",
         judge=_judge_attenuation,
         variants=at_densities(MODELS, DENSITIES),

@@ -1,4 +1,4 @@
-"""Two experiments of a thesis of 1991 on lattice gases: as described, by its own method, and by a right one.
+"""Two experiments of a thesis of 1991 on lattice gases: as described, by its own method, and by a correct one.
 
 What it reports, what a run of the same set-up gives, and why they differ: docs/lattice.md.
 """
@@ -31,7 +31,11 @@ FHP = "fhp_saturated"
 
 
 class Box(NamedTuple):
-    """Density of the columns of cells, (runs, samples, cells along x), in excess of the mean; times (samples,)."""
+    """Density of the columns of cells of a lattice gas in a box.
+
+    times: of the samples, (samples,), steps. strips: density of each column of cells in excess of the mean, (runs,
+    samples, cells along x). columns: of sites of the lattice, along x.
+    """
 
     times: Floats
     strips: Floats
@@ -88,7 +92,7 @@ def _judge_hpp(laboratory: Laboratory, walls: bool) -> Judged:
 
 
 def _hpp_box(laboratory: Laboratory) -> Judged:
-    """As described: sin(2 pi x/L) between rigid ends falls apart into cosines, of which the first prevails."""
+    """As described: sin(2 pi x/L) between rigid ends is a sum of cosines, the first of which is the largest."""
     columns = 305
     wave = Wave(of="density", amplitude=0.1, mode=(1.0, 0.0), phase=-math.pi / 2)
     box = _experiment(laboratory, "hpp", columns, 95, 0.5, wave)
@@ -318,7 +322,7 @@ CHECKS = (
         name="lattice/thesis-hpp",
         title="Thesis, experiment 1: sound of HPP in a box, and with periodic edges",
         equation="c = 2 L/T, T of the first cosine",
-        criterion="c of the right method within its standard error; the thesis's peaks replicated, "
+        criterion="c of the correct method within its standard error; the thesis's peaks replicated, "
         "its period explained",
         citation=_SOURCE,
         judge=_judge_hpp,

@@ -159,7 +159,7 @@ CHECKS = (
         name="lattice/vortex-street",
         title="A plate across the flow sheds a vortex street",
         equation="St = f D/(g U)",
-        criterion="one line in the spectrum; a Strouhal number as of normal plates",
+        criterion="one line in the spectrum; the Strouhal number of plates normal to the flow",
         citation="Najjar & Balachandar, J. Fluid Mech. 370, 101 (1998); "
         "Fage & Johansen, Proc. R. Soc. A 116, 170 (1927)",
         judge=_judge,

@@ -26,14 +26,17 @@ BY_MEMBERS = f"standard error of {MEMBERS} gases"
 
 
 class Signals(NamedTuple):
-    """Amplitudes of the first mode along y, (members, samples): 2/N sum q exp(-i k y). times (samples,)."""
+    """Amplitudes of the first mode along y.
+
+    times: (samples,), steps. values: 2/N sum q exp(-i k y) of each gas, (members, samples), complex.
+    """
 
     times: Floats
     values: Any
 
 
 def wavenumber(model: str, rows: int) -> float:
-    """k of one wavelength on so many rows, 1/links."""
+    """k of one wavelength on so many rows, 1/links; model: name of the gas."""
     return 2 * math.pi / (rows * VELOCITIES[model].row_height)
 
 
@@ -54,8 +57,10 @@ def measure_mode(
 ) -> Signals:
     """Lets waves along y evolve, and projects sum_i quantity_i n_i of the rows on the first mode.
 
-    density: d. quantity: (b,), one value a channel. rows, columns: of the lattice. steps: of the run, cut down to a
-    multiple of `every`, the interval of samples. flow: velocity along y, links per step. members: number of gases.
+    laboratory: runs the gases. name: of the model. density: d. waves: at the start. quantity: (b,), one value a
+    channel. rows, columns: of the lattice. steps: of the run, cut down to a multiple of `every`, the interval of
+    samples. flow: velocity along y, links per step. members: number of gases.
+    method: or a kind of scheme.
     """
     k = wavenumber(name, rows)
     phases = np.exp(-1j * k * np.arange(rows) * VELOCITIES[name].row_height)
@@ -71,12 +76,12 @@ def measure_mode(
 
 
 def mass(model: str) -> Floats:
-    """1 for each channel, (b,)."""
+    """1 for each channel of `model`, (b,)."""
     return np.ones(VELOCITIES[model].channels)
 
 
 def transverse_momentum(model: str) -> Floats:
-    """c_ix, (b,), of each channel: momentum across a wave vector along y, links per step."""
+    """c_ix of each channel of `model`, (b,): momentum across a wave vector along y, links per step."""
     return VELOCITIES[model].cartesian[:, 0]
 
 
@@ -119,14 +124,17 @@ def standing_wave(times: Floats, signal: Any, damping: float, frequency: float) 
 def first_guess(model: str, density: float, wavevector: ArrayLike, flow: float = 0.0) -> theory.Modes:
     """Rates per step that the Boltzmann equation gives a wave, to plan its run and to begin its fit.
 
-    density: d. wavevector: (2,), 1/links. flow: velocity along y, links per step. What a wave is judged by is
-    `crosscheck.references.lattice_models.modes`.
+    model: name of the gas. density: d. wavevector: (2,), 1/links. flow: velocity along y, links per step. What a wave
+    is judged by is `crosscheck.references.lattice_models.modes`.
     """
     return theory.modes(models.MODELS[model], density, wavevector, (0.0, flow))
 
 
 def shear_wave_viscosities(laboratory: Laboratory, name: str, density: float, rows: int) -> list[float]:
-    """nu (links^2 per step) of each gas from the decay of its shear wave, one wavelength on these rows, u0 = 0.1."""
+    """nu (links^2 per step) of each gas from the decay of its shear wave, one wavelength on these rows, u0 = 0.1.
+
+    laboratory: runs the gases. name: of the model. density: d.
+    """
     k = wavenumber(name, rows)
     rate = first_guess(name, density, (0.0, k)).shear_decay
     steps = int(min(1.5 / rate, 6000))
@@ -152,7 +160,11 @@ def density_figure(
     measured: list[float],
     theory: Callable[[float], float],
 ) -> Figure:
-    """The point of this verdict, the mean of what was measured, and the curve of the theory."""
+    """The mean of what was measured at one density, and the curve of the theory.
+
+    title: of the figure. label: of the quantity. name: of the model. density: d. measured: of each gas. theory: the
+    quantity as a function of d.
+    """
     value, u = independent_mean(measured)
     axis = np.linspace(0.08, 0.62, 55)
     return Figure(

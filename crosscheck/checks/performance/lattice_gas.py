@@ -21,7 +21,7 @@ TURNS, SIZE, STEPS = 7, 4096, 20
 GOALS = {"hpp": 0.8, "fhp1": 0.6, "fhp_saturated": 0.6}
 
 
-def copy_bandwidth() -> float:
+def _copy_bandwidth() -> float:
     """Bytes read and written per second by a copy of 400 MB."""
     source = np.ones(50_000_000)
     target = np.empty_like(source)
@@ -31,14 +31,14 @@ def copy_bandwidth() -> float:
     return 2 * source.nbytes / (time.perf_counter() - started)
 
 
-class Race(NamedTuple):
+class _Race(NamedTuple):
     """Bit planes of a model beside the memory's bandwidth, or beside the evolvers that move bytes."""
 
     model: str
     beside: Literal["memory", "lookup"]
 
 
-def _judge(laboratory: Laboratory, race: Race) -> Judged:
+def _judge(laboratory: Laboratory, race: _Race) -> Judged:
     """Site updates per second of bit planes, as bytes moved, over those of a copy; the others, on a smaller lattice."""
     return (_beside_memory if race.beside == "memory" else _beside_lookup)(laboratory, race.model)
 
@@ -49,7 +49,7 @@ def _beside_memory(laboratory: Laboratory, name: str) -> Judgement:
     ratios, rates = [], []
     for turn in range(TURNS + 1):
         wall = laboratory.run(scene, PLANES).cost.wall
-        bandwidth = copy_bandwidth()
+        bandwidth = _copy_bandwidth()
         if turn:  # the first turn warms
             rates.append(SIZE * SIZE * STEPS / wall)
             ratios.append(rates[-1] * bits / 8 / bandwidth)
@@ -96,9 +96,9 @@ CHECKS = (
             **{
                 f"{race.model}-{race.beside}": race
                 for race in (
-                    *(Race(name, "memory") for name in GOALS),
-                    Race("fhp_saturated", "lookup"),
-                    Race("hpp", "lookup"),
+                    *(_Race(name, "memory") for name in GOALS),
+                    _Race("fhp_saturated", "lookup"),
+                    _Race("hpp", "lookup"),
                 )
             }
         ),

@@ -15,12 +15,15 @@ CITATION = "Thompson et al., Comput. Phys. Commun. 271, 108171 (2022); Rein & Li
 
 
 def criterion(goal: str) -> str:
-    """The goal in words, and how it is measured."""
+    """The criterion of a check of speed: `goal`, in words, and how it is measured."""
     return f"{goal}, median of {TURNS} alternated turns, one thread, compilation apart"
 
 
 def beside(laboratory: Laboratory, scene: Scene, method: Method, peer: str, goal: float) -> Judgement:
-    """Particle steps per CPU second of the engine under judgement, at least `goal` times those of `peer`."""
+    """Particle steps per CPU second of the engine under judgement, at least `goal` times those of `peer`.
+
+    laboratory: of the engine under judgement. scene, method: what both engines run. peer: name of the other engine.
+    """
     rates: dict[str, list[float]] = {laboratory.engine: [], peer: []}
     for turn in range(TURNS + 1):
         for engine, found in rates.items():

@@ -41,8 +41,10 @@ FULL = (
 class Problem:
     """A case with a known solution.
 
-    error: of a run, in `unit`. order: that a scheme shows here, by its claims. numbers: of steps, coarsest first.
-    floor: what rounding makes of the error, from the scheme and the number of steps. needs, faults: as of a check.
+    name: of the problem; its check is called work-precision-`name`. title: what the scene is, in words. equation,
+    citation, needs, faults: as of a `Check`. scene: without its time step. error: of a run, in `unit`. unit: of the
+    error. order: that a scheme shows here, from its name and claims. numbers: of steps of a run, from the claims,
+    coarsest first. floor: what rounding makes of the error, from the scheme and the number of steps.
     """
 
     name: str
@@ -229,7 +231,10 @@ EVALUATIONS = {
 
 
 def expected_evaluations(engine: str, scheme: str, steps: int) -> int | None:
-    """Evaluations of the force in `steps` steps and at the start; None where they are not known."""
+    """Evaluations of the force by this scheme of this engine, in `steps` steps and at the start; None if not known.
+
+    engine, scheme: names, as in `EVALUATIONS`.
+    """
     if (engine, scheme) not in EVALUATIONS:
         return None
     start, each = EVALUATIONS[engine, scheme]

@@ -14,12 +14,12 @@ _STEPS, _EVERY = 2400, 20
 
 
 def separation(one: Run, two: Run) -> Floats:
-    """Root of the mean squared distance of a coordinate, at every sample."""
+    """Root of the mean squared difference of a coordinate between two runs, (samples,); one, two: of one scene."""
     return np.sqrt(((one["positions"] - two["positions"]) ** 2).mean(axis=(1, 2)))
 
 
 def melting(seed: int) -> Scene:
-    """A lattice with random velocities, which melts."""
+    """A lattice with random velocities, which melts; seed: of the velocities."""
     initial = _TRAJECTORY.initial
     assert isinstance(initial, Lattice)
     return _TRAJECTORY.changed(

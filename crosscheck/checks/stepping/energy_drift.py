@@ -26,7 +26,7 @@ def _judge_drift(laboratory: Laboratory, scheme: str) -> Judged:
     run = laboratory.run(scene, Method(scheme=scheme, dt=float(DRIFT_H)))
     energy = _energies(run["positions"][:, 0, 0], run["velocities"][:, 0, 0])
     slope, scatter = _slope(run["time"][1:], np.log(energy[1:]))
-    # the phase at which the energy is looked at creeps round: over the run, that moves it by its swing in a period
+    # the phase of the samples drifts: over the run, that changes the energy by its oscillation within a period
     swing = np.log(_energies(*oscillator.numerical_solution(scheme, 50, float(DRIFT_H), 1.0, 0.7, 1.0, 0.0)))
     tolerance = 4 * scatter + float(np.ptp(swing)) / (steps * DRIFT_H) + 4 * EPSILON / DRIFT_H
     curve = Series(scheme, run["time"].tolist(), (energy / energy[0] - 1).tolist())
@@ -60,7 +60,7 @@ CHECKS = (
         name="stepping/energy-drift",
         title="Growth of the energy over 1e5 periods, 50 steps each: none for symplectic schemes, theory's for others",
         equation="d ln E/d(omega0 t) = 2 ln(largest |eigenvalue|)/(omega0 dt)",
-        criterion="four standard errors of the slope + swing of ln E within a period/duration + four roundings a step",
+        criterion="four standard errors of the slope + oscillation of ln E/duration + four roundings a step",
         citation=LITERATURE,
         judge=_judge_drift,
         variants=schemes_with(lambda name, claims: oscillator.has_matrix(name), lambda name: "full"),

@@ -6,15 +6,15 @@ from crosscheck.faults import Fault
 
 
 def scheme_fault(name: str, old: str, new: str, breaks: str) -> Fault:
-    """In the schemes."""
+    """A fault `name` in the schemes: the text `old` becomes `new`; breaks: what that does, in words."""
     return Fault(name, "stepping/schemes.py", old, new, breaks)
 
 
 def gravity_fault(name: str, old: str, new: str, breaks: str) -> Fault:
-    """In gravity."""
+    """A fault `name` in the forces of gravity: the text `old` becomes `new`; breaks: what that does, in words."""
     return Fault(name, "stepping/forces/gravity.py", old, new, breaks)
 
 
 def pair_fault(name: str, old: str, new: str, breaks: str) -> Fault:
-    """In the kernel of Lennard-Jones pairs."""
+    """A fault `name` in the kernel of Lennard-Jones pairs: the text `old` becomes `new`; breaks: what that does."""
     return Fault(name, "stepping/kernels/lennard_jones.py", old, new, breaks)

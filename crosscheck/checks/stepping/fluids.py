@@ -1,4 +1,4 @@
-"""Lennard-Jones fluids that the checks of this group share: scenes, needs, and what a sample says of the state."""
+"""Lennard-Jones fluids that the checks of this group share: scenes, needs, and state variables at the samples."""
 
 from __future__ import annotations
 
@@ -52,7 +52,8 @@ def fluid(
 ) -> Scene:
     """A periodic cube of Lennard-Jones particles that starts on a face-centred cubic lattice.
 
-    density, temperature, cutoff, duration: in reduced units. seed: of the velocities.
+    number: of particles. density, temperature, cutoff, duration: in reduced units. seed: of the velocities. truncation:
+    the form of the potential at the cutoff, as in `LennardJones`.
     """
     return Scene(
         name=f"lennard-jones-{number}",
@@ -68,7 +69,10 @@ def fluid(
 
 
 def shaken(scene: Scene, amplitude: float, seed: int) -> Scene:
-    """The scene with every particle displaced at random, at rest, asking for forces, energy and virial."""
+    """The scene with every particle displaced at random, at rest, asking for forces, energy and virial.
+
+    amplitude: standard deviation of each coordinate (length). seed: of the displacements.
+    """
     state = scene.initial_state()
     rng = np.random.default_rng(seed)
     positions = state.positions + rng.normal(scale=amplitude, size=state.positions.shape)
@@ -90,7 +94,7 @@ def shaken(scene: Scene, amplitude: float, seed: int) -> Scene:
 
 
 class StatePoint(NamedTuple):
-    """Density and temperature, in reduced units."""
+    """A state of the fluid: `density` and `temperature`, in reduced units."""
 
     density: float
     temperature: float
@@ -106,19 +110,22 @@ CUTOFF, AVERAGE = 3.0, Method(scheme="velocity_verlet", dt=0.004)
 AVERAGE_STEPS, AVERAGE_EVERY, PARTICLES = 4000, 10, 500
 
 
-def temperature_of(scene: Scene, kinetic: Floats | float) -> Floats | float:
+def _temperature_of(scene: Scene, kinetic: Floats | float) -> Floats | float:
     """2 K/(d (N - 1)): the total momentum is zero and does not take part."""
     return 2 * kinetic / (scene.dimension * (scene.number - 1))
 
 
 def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
-    """A liquid at the state point: melted by `refimpl`, velocities scaled ten times, then left alone."""
+    """A liquid at the state `point`: melted by `refimpl`, velocities scaled ten times, then run on unscaled.
+
+    laboratory: runs it.
+    """
     density, temperature = point
     scene = fluid(PARTICLES, density, 2 * temperature, laboratory.seed(), cutoff=CUTOFF, duration=100 * AVERAGE.step)
     for _ in range(10):
         run = laboratory.run(scene, AVERAGE, engine="refimpl")
         kinetic = 0.5 * (run["final_velocities"] ** 2).sum()
-        scale = np.sqrt(temperature / temperature_of(scene, kinetic))
+        scale = np.sqrt(temperature / _temperature_of(scene, kinetic))
         scene = scene.changed(initial=explicit(run["final_positions"], scale * run["final_velocities"]))
     run = laboratory.run(scene.changed(duration=500 * AVERAGE.step), AVERAGE, engine="refimpl")
     return scene.changed(
@@ -129,9 +136,9 @@ def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
 
 
 def series(scene: Scene, run: Run) -> dict[str, Floats]:
-    """T, u = U/N and p at every sample, without long-range corrections."""
+    """T, u = U/N and p at every sample of `run`, each (samples,), without long-range corrections; scene: that run."""
     return {
-        "T": np.asarray(temperature_of(scene, run["kinetic_energy"])),
+        "T": np.asarray(_temperature_of(scene, run["kinetic_energy"])),
         "u": run["potential_energy"] / scene.number,
         "p": (2 * run["kinetic_energy"] + run["virial"]) / (scene.dimension * scene.volume()),
     }

@@ -1,4 +1,4 @@
-"""The energy of schemes that are not symplectic drifts on a Kepler orbit, and must be seen to."""
+"""The energy of schemes that are not symplectic drifts on a Kepler orbit: an expected failure."""
 
 from __future__ import annotations
 

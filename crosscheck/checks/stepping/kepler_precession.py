@@ -1,4 +1,4 @@
-"""How leap-frog steps turn the apsides of a Kepler orbit."""
+"""Precession of the apsides of a Kepler orbit under leap-frog steps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from crosscheck.references import kepler
 from crosscheck.scene import Method
 from crosscheck.verdict import Judged, within
 
-#: Schemes that are leap-frog seen at other times, or whose positions are leap-frog's.
+#: Schemes whose positions are those of leap-frog, at the same or at other times.
 TURNING = ("symplectic_euler", "verlet", "leapfrog", "velocity_verlet", "beeman", "beeman_pc", "gear2")
 #: Step of the coarser run, times the angular speed at pericentre.
 TURNING_STEP = 0.1

@@ -1,4 +1,4 @@
-"""What it costs Gear's schemes that gravity tells no derivative above the second: a start of zeros."""
+"""Gear's schemes on a Kepler orbit, started with higher derivatives of zero, since gravity gives none: the error."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from crosscheck.scene import Floats, Method
 from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order
 
-#: In the order of what an exact start would give them.
+#: Schemes, by the order that an exact start would give them.
 GEAR = ("gear3", "gear4", "gear4_velocity", "gear5", "gear5_velocity")
 
 

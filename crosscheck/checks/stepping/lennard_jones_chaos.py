@@ -1,4 +1,4 @@
-"""Chaos: two engines must part as one parts from itself when disturbed."""
+"""Chaos: two engines separate as two runs of one engine do, one of them disturbed."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def _growth_rate(time: Floats, apart: Floats) -> float:
 
 
 def _horizon(time: Floats, apart: Floats) -> float:
-    """When the separation first exceeds 1e-6."""
+    """Time at which the separation first exceeds 1e-6."""
     return float(time[np.flatnonzero(apart > 1e-6)[0]])
 
 
 def _judge(laboratory: Laboratory, other: str) -> Judged:
-    """Two engines must part as one parts from itself when disturbed by 1e-13: at the same rate, and no sooner."""
+    """Two engines separate at the rate at which two runs of one engine do, one disturbed by 1e-13, and no sooner."""
     rates, horizons = np.empty((2, STARTS)), np.empty((2, STARTS))
     curves = []
     for number in range(STARTS):

@@ -15,7 +15,7 @@ from crosscheck.references import kepler
 from crosscheck.references.oscillator import rounding_lever
 from crosscheck.scene import Floats, Gravity, Kepler, Method, Output, Scene
 
-# Nothing is 1 that could hide a missing factor, but mu = G (m_0 + m_1) = a^3, so that n = 1 and the period is 2 pi.
+# No constant is 1, so that a missing factor shows, but mu = G (m_0 + m_1) = a^3, so that n = 1 and the period is 2 pi.
 MASSES, G, AXIS = (3.0, 1.0), 2.0, 2.0
 MU = G * sum(MASSES)
 PERIOD = 2 * np.pi
@@ -35,7 +35,7 @@ WHY_ROUNDING = "10 standard deviations of independent roundings of r and v in ev
 #: Of schemes that solve the problem exactly: sqrt(steps) as much, in case the roundings of all steps are alike.
 WHY_BIASED = "10 standard deviations of the rounding of r and v, alike in every step, carried along the orbit"
 
-#: The orbit's final states; with its samples.
+#: Needs of checks that use final states; of those that use samples too.
 ORBIT = Needs("gravity", words=frozenset({"dimension=2", "masses[]", "gravity.G"}))
 #: Hundreds of thousands of steps: asked of engines that promise to take them in seconds.
 LONG_ORBIT = replace(ORBIT, promises=("long_runs",))
@@ -47,24 +47,24 @@ EQUATION = "r'' = -mu r/|r|^3;  E - e sin E = n t + pi,  r = a (e - cos E, -sqrt
 
 
 class Orbit(NamedTuple):
-    """A variant: the orbit's eccentricity, and the scheme that follows it."""
+    """The value of a variant: the orbit's `eccentricity`, and the `scheme` that follows it."""
 
     eccentricity: float
     scheme: str
 
     @property
     def name(self) -> str:
-        """As in the variant's name."""
+        """Name of the variant."""
         return f"e{self.eccentricity:g}/{self.scheme}"
 
 
 def tier_of(scheme: str) -> Tier:
-    """The full tier for the schemes of `RARE`."""
+    """The full tier if `scheme` is one of `RARE`, else the quick one."""
     return "full" if scheme in RARE else "quick"
 
 
 def kepler_scene(eccentricity: float, periods: float, samples: int | None = None) -> Scene:
-    """The orbit from apocentre, with `samples` samples a period or none."""
+    """The orbit from apocentre, for so many periods, with `samples` samples a period or none; eccentricity: 0 to 1."""
     return Scene(
         name=f"kepler-e{eccentricity:g}",
         dimension=2,
@@ -77,7 +77,10 @@ def kepler_scene(eccentricity: float, periods: float, samples: int | None = None
 
 
 def position_error(run: Run, eccentricity: float) -> float:
-    """Largest distance of a body from its place on the orbit, over all samples, in units of a; infinite if diverged."""
+    """Largest distance of a body from its place on the orbit, over all samples, in units of a; infinite if diverged.
+
+    run: with positions. eccentricity: of the orbit.
+    """
     if run.diverged:
         return np.inf
     exact, _ = kepler.two_bodies(run["time"], MASSES, eccentricity, AXIS, G)
@@ -85,36 +88,49 @@ def position_error(run: Run, eccentricity: float) -> float:
 
 
 def energies(run: Run) -> Floats:
-    """E/|E_0| of every sample, E_0 = -mu/2a the energy of the orbit."""
+    """E/|E_0| of every sample of `run`, (samples,); E_0 = -mu/2a, the energy of the orbit."""
     r, v = kepler.relative(run["positions"]), kepler.relative(run["velocities"])
     return np.asarray(kepler.energy(r, v, MU) * (2 * AXIS / MU))
 
 
 def departure(series: Floats) -> float:
-    """Largest distance from the first value."""
+    """Largest difference of a value of `series`, (samples,), from the first one."""
     return float(abs(series - series[0]).max())
 
 
 def rounding_floor(scheme: str, eccentricity: float, periods: float, steps: float) -> float:
-    """What rounding can make of the position in so many steps of the whole run, in units of a."""
+    """Error of the position by rounding, at most, in units of a.
+
+    scheme: name. eccentricity, periods: of the run. steps: of the whole run.
+    """
     lever = rounding_lever(scheme, steps / (PERIOD * periods))
     return SIGMAS * lever * kepler.rounding_error(eccentricity, periods, steps)
 
 
 def step_numbers(eccentricity: float, largest: float, runs: int, multiple: int = SAMPLES) -> Floats:
-    """Steps a period: multiples of the samples, doubled each time; the first has a step of `largest` at pericentre."""
+    """Steps a period of several runs, (runs,), doubled each time.
+
+    eccentricity: of the orbit. largest: step of the first run, times the angular speed at pericentre. runs: how many.
+    multiple: all are multiples of it, by default of the samples a period.
+    """
     coarsest = np.ceil(PERIOD * kepler.fastest(eccentricity) / largest / multiple)
     return np.asarray(multiple * coarsest * 2.0 ** np.arange(runs))
 
 
 def nominal_order(scheme: str, claims: Claims) -> int:
-    """Of the position. Gear's schemes start without the higher derivatives, which gravity does not tell: order 2."""
+    """Order of the position's error, from the scheme's name and claims.
+
+    2 at most for Gear's schemes: they start without the higher derivatives, which gravity does not give.
+    """
     assert claims.order is not None
     return min(claims.order[0], 2) if scheme.startswith("gear") else claims.order[0]
 
 
 def extrapolated(laboratory: Laboratory, eccentricity: float, periods: int) -> tuple[Limit, float, Floats]:
-    """Final relative position/a of velocity Verlet at no step, what rounding adds to it, and the steps a period."""
+    """Final relative position/a of velocity Verlet, extrapolated to dt = 0; its rounding error; the steps a period.
+
+    laboratory: runs it. eccentricity, periods: of the run.
+    """
     numbers = step_numbers(eccentricity, 0.4, 1, 1)[0] * SEQUENCE
     scene = kepler_scene(eccentricity, periods)
     runs = [laboratory.run(scene, Method(scheme="velocity_verlet", dt=PERIOD / n)) for n in numbers]

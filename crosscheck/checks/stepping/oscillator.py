@@ -30,7 +30,7 @@ REGIMES: dict[str, tuple[float | None, float, float, float]] = {
 SAMPLES = 10
 
 
-def oscillator_scene(regime: str, samples: int = SAMPLES) -> Scene:
+def _oscillator_scene(regime: str, samples: int = SAMPLES) -> Scene:
     """One oscillator on a line, `samples` samples after the start."""
     gamma, duration, r0, v0 = REGIMES[regime]
     return Scene(
@@ -44,7 +44,7 @@ def oscillator_scene(regime: str, samples: int = SAMPLES) -> Scene:
     )
 
 
-def errors_against_closed_form(run: Run, regime: str) -> tuple[float, float]:
+def _errors_against_closed_form(run: Run, regime: str) -> tuple[float, float]:
     """Largest errors of r, in units of r0, and of v, in units of omega0 r0; infinite after a divergence."""
     gamma, _, r0, v0 = REGIMES[regime]
     r, v = oscillator.solution(run["time"], r0, v0, OMEGA0, (gamma or 0.0) / (2 * MASS))
@@ -53,7 +53,7 @@ def errors_against_closed_form(run: Run, regime: str) -> tuple[float, float]:
     return float(abs(run["positions"][:, 0, 0] - r).max()), float(abs(run["velocities"][:, 0, 0] - v).max() / OMEGA0)
 
 
-def time_steps(regime: str, nominal: int) -> Floats:
+def _time_steps(regime: str, nominal: int) -> Floats:
     """Five steps, halved each time, that divide the sampling interval; small enough for the nominal order to show.
 
     First-order errors grow like omega^2 dt t, so these schemes need far smaller steps to be asymptotic.
@@ -69,10 +69,10 @@ def _judge_order(laboratory: Laboratory, scheme: str, regime: str) -> Judged:
     claims = laboratory.claims[scheme]
     nominal = claims.order if regime == "undamped" else claims.order_damped
     assert nominal is not None
-    scene = oscillator_scene(regime)
-    steps = time_steps(regime, min(nominal))
+    scene = _oscillator_scene(regime)
+    steps = _time_steps(regime, min(nominal))
     runs = [laboratory.run(scene, Method(scheme=scheme, dt=float(dt))) for dt in steps]
-    errors = np.array([errors_against_closed_form(run, regime) for run in runs])
+    errors = np.array([_errors_against_closed_form(run, regime) for run in runs])
     judgements = []
     for column, name in enumerate(("position", "velocity")):
         # rounding: each of n steps adds about eps, and Verlet's second difference adds them up twice

@@ -19,7 +19,10 @@ LITERATURE = (
 
 
 def unit_oscillator(duration: float, interval: float | None = None) -> Scene:
-    """omega0 = 1 from a general phase; duration and interval of the samples in units of 1/omega0."""
+    """An undamped oscillator with omega0 = 1 that starts at a general phase.
+
+    duration: of the run, in units of 1/omega0. interval: between samples, in the same; None: the end alone.
+    """
     return Scene(
         name="oscillator-unit",
         dimension=1,

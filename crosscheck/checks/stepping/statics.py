@@ -14,7 +14,10 @@ from crosscheck.verdict import Findings, round_off, worst
 
 
 class Static(NamedTuple):
-    """Forces (N, d), energy and virial."""
+    """Forces, energy and virial of one configuration.
+
+    forces: (N, d). energy: of all pairs. virial: sum over pairs of r . F.
+    """
 
     forces: Floats
     energy: float
@@ -22,17 +25,21 @@ class Static(NamedTuple):
 
     @classmethod
     def of(cls, run: Run) -> Static:
-        """Of a run that asked for its forces, at its start."""
+        """Those of the start of `run`, whose scene asks for forces, energy and virial."""
         return cls(run["forces"], run["potential_energy"][0], run["virial"][0])
 
     @classmethod
     def summed(cls, sums: PairSum) -> Static:
-        """Of a direct pair sum."""
+        """Those of `sums`, a direct pair sum."""
         return cls(sums.forces, sums.energy, sums.virial)
 
 
 def compare(measured: Static, other: Static, sums: PairSum, against: str) -> Findings:
-    """Largest relative differences of forces, energy and virial, each relative to the sum of its terms' sizes."""
+    """Largest differences of forces, energy and virial, each relative to the sum of its terms' sizes.
+
+    measured: of the engine under judgement. other: that it is compared with. sums: a direct pair sum, which gives the
+    sizes. against: the name of `other`, in words.
+    """
     scale = np.maximum(sums.force_scale, sums.force_scale.mean())[:, None]
     errors = {
         "force": float((abs(measured.forces - other.forces) / scale).max()),

@@ -26,7 +26,7 @@ def _orbit(positions: Floats, velocities: Floats, steps: int) -> Scene:
         duration=steps * MAP_DT,
         gravity=Gravity(),
         initial=explicit(positions, velocities),
-        # the end alone is looked at; with a trajectory, the compiled loop is that of the other orbit checks
+        # only the end is used; with a trajectory, the compiled loop is that of the other orbit checks
         output=Output(interval=steps * MAP_DT, trajectory=True),
     )
 

@@ -20,7 +20,7 @@ EQUATION = "r_i'' = -sum_j m_j (r_i - r_j)/|r_i - r_j|^3"
 
 
 def three_body_scene(name: str, problem: ThreeBodies) -> Scene:
-    """From the initial state to `problem.time`; nothing is recorded on the way."""
+    """The scene `name`, from the initial state of `problem` to its final time; nothing is recorded in between."""
     return Scene(
         name=name,
         dimension=2,
@@ -32,13 +32,16 @@ def three_body_scene(name: str, problem: ThreeBodies) -> Scene:
 
 
 def furthest(positions: Floats, others: Floats) -> float:
-    """Largest distance of a body from its place; infinite where one is not finite."""
+    """Largest distance of a body in `positions` from that in `others`, both (N, d); infinite if one is not finite."""
     distance = float(np.linalg.norm(positions - others, axis=-1).max())
     return distance if np.isfinite(distance) else np.inf
 
 
 class Final(NamedTuple):
-    """Final positions and velocities, (N, d), what may be wrong with them, and how they came about."""
+    """A final state.
+
+    positions, velocities: (N, d). uncertainty: of a position (length). note: how the state was found, in words.
+    """
 
     positions: Floats
     velocities: Floats
@@ -47,7 +50,10 @@ class Final(NamedTuple):
 
 
 def best_schemes(schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
-    """Schemes that choose their own steps, and velocity Verlet, which is extrapolated to no step."""
+    """Variants for the schemes that choose their own steps, and for velocity Verlet, which is extrapolated to dt = 0.
+
+    schemes: the claims of an engine, by scheme.
+    """
     return variants_of(
         {
             name: name
@@ -58,7 +64,10 @@ def best_schemes(schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
 
 
 def best(laboratory: Laboratory, scheme: str, scene: Scene, problem: ThreeBodies, coarsest: int) -> Final:
-    """The final state, by a scheme that chooses its own steps, or extrapolated from `coarsest` and more steps."""
+    """The final state by `scheme`: at the steps that it chooses, or extrapolated from `coarsest` and more steps.
+
+    laboratory: runs it. scene: of the problem. problem: gives the duration, and the rounding error.
+    """
     if laboratory.claims[scheme].order is not None:
         return _extrapolated(laboratory, scheme, scene, problem, coarsest)
     run = laboratory.run(scene, Method(scheme=scheme, dt=problem.time / 10_000))
