@@ -235,6 +235,8 @@ def run(
     lines = read(directory)
     console = _console()
     _print_table(console, lines)
+    for name in engine_list:
+        print(_share_of_checks(name))
     report_path = write_report(directory)
     if junit is not None:
         write_junit(lines, junit)
@@ -244,6 +246,14 @@ def run(
         f"{summary} in {time.perf_counter() - started:.0f} s; report: {report_path}", highlight=False, soft_wrap=True
     )
     return 1 if counts["fail"] or counts["error"] else 0
+
+
+def _share_of_checks(name: str) -> str:
+    """How many checks judge the engine of this name: what the others measured of it is nothing, and not green."""
+    checks = all_checks()
+    matched = sum(bool(runner.judging(check, name, engine_class(name))) for check in checks)
+    rest = len(checks) - matched
+    return f"{name}: {matched} checks match what it declares, {rest} need more and say nothing of it (docs/engines.md)"
 
 
 def _print_table(console: Console, lines: list[Line]) -> None:
