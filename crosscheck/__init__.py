@@ -1,6 +1,6 @@
-"""particle-crosscheck: runs particle-simulation engines, compares them with each other and with closed forms, judges.
+"""particle-crosscheck: runs particle-simulation engines and judges their results by closed forms and by each other.
 
-The road of the data: `scene` -> `engines` -> `checks` -> `verdict` -> `record` -> `report`.
+Data go from `scene` to `engines`, `checks`, `verdict`, `record` and `report`.
 """
 
 __version__ = "0.1.0"

@@ -38,7 +38,7 @@ def list_checks(
 
 @app.command()
 def show(check: Annotated[str, typer.Argument(help="Name of a check.")]) -> None:
-    """What a check measures, against what, with which criterion, and its planted faults."""
+    """Print equation, criterion, needs, variants and planted faults of a check."""
     from crosscheck import commands
 
     commands.show(check)
@@ -46,7 +46,7 @@ def show(check: Annotated[str, typer.Argument(help="Name of a check.")]) -> None
 
 @app.command()
 def engines() -> None:
-    """Which engines are found, which are missing and why."""
+    """Print which engines are found, and which are missing and why."""
     from crosscheck import commands
 
     commands.engines()
@@ -55,12 +55,12 @@ def engines() -> None:
 @app.command()
 def run(
     patterns: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
-    tier: Annotated[str, typer.Option(help="quick, or full (which contains it).")] = "quick",
+    tier: Annotated[str, typer.Option(help="quick, or full, which contains the quick one.")] = "quick",
     engine: Engines = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the suite; every case derives its own from it.")] = 0,
-    jobs: Annotated[Optional[int], typer.Option(min=1, help="Cases at once. Default: one per core.")] = None,  # noqa: UP045
+    jobs: Annotated[Optional[int], typer.Option(min=1, help="Cases at a time. Default: one per core.")] = None,  # noqa: UP045
     out: Out = Path("crosscheck-out"),
-    resume: Annotated[Optional[Path], typer.Option(help="Go on with an interrupted run in this directory.")] = None,  # noqa: UP045
+    resume: Annotated[Optional[Path], typer.Option(help="Complete the interrupted run in this directory.")] = None,  # noqa: UP045
     junit: Annotated[Optional[Path], typer.Option(help="Also write JUnit XML to this file.")] = None,  # noqa: UP045
 ) -> None:
     """Simulate, compare, judge, and write the record and the report.
@@ -75,10 +75,13 @@ def run(
 @app.command()
 def prove(
     checks: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
-    jobs: Annotated[Optional[int], typer.Option(min=1, help="Faults at once. Default: one per core.")] = None,  # noqa: UP045
-    seed: Annotated[int, typer.Option(min=0)] = 0,
+    jobs: Annotated[Optional[int], typer.Option(min=1, help="Faults at a time. Default: one per core.")] = None,  # noqa: UP045
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the suite.")] = 0,
 ) -> None:
-    """Plant every check's faults in a copy of refimpl: each must turn its check red."""
+    """Run checks with their planted faults in a copy of refimpl: each must turn its check red.
+
+    Exit status: 0 if all do, 1 if not, 2 bad usage or input.
+    """
     from crosscheck import commands
 
     raise typer.Exit(commands.prove(checks or [], jobs, seed))
@@ -90,7 +93,7 @@ def simulate(
     engine: Engines = None,
     out: Out = Path("crosscheck-out"),
 ) -> None:
-    """Run any scene: observables, trajectory and a picture; two engines side by side."""
+    """Run a scene; write observables, trajectory and a picture, of several engines side by side."""
     from crosscheck import commands
 
     commands.simulate(scene, engine or ["refimpl"], out)
@@ -105,7 +108,7 @@ def report(directory: Annotated[Path, typer.Argument(help="Directory of a run.")
 
 
 def main() -> None:
-    """Entry point: errors that a user can mend are one message and exit status 2; an engine's failure, status 1."""
+    """Entry point: a UsageError is printed as a message, with exit status 2; an EngineError, with status 1."""
     from crosscheck.errors import EngineError, UsageError
 
     try:

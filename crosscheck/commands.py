@@ -1,4 +1,4 @@
-"""What the commands of `cli` do and print."""
+"""The commands of the command line: what each does and prints. `cli` has their options."""
 
 from __future__ import annotations
 
@@ -39,23 +39,26 @@ _COLOURS = {
 
 
 def _console() -> Console:
-    # the table needs its width: a narrow terminal wraps whole lines, which is easier to read than folded names; on a
-    # pipe there is nothing to measure
+    # at least 140 columns: in a narrow terminal, wrapped lines are easier to read than names folded within columns; a
+    # pipe has no width
     console = Console()
     return Console(width=max(console.width, 140) if sys.stdout.isatty() else 200)
 
 
-def _offers(check: Check) -> dict[str, tuple[Variant, ...]]:
-    """The variants of a check by installed engine, of those that it judges."""
+def _variants_by_engine(check: Check) -> dict[str, tuple[Variant, ...]]:
+    """The variants of a check, by name of those installed engines that it judges."""
     offers = {name: runner.judging(check, name, engine_class(name)) for name in engine_names()}
     return {name: variants for name, variants in offers.items() if variants}
 
 
 def list_checks(as_json: bool) -> None:
-    """Prints every check with its engines, the number of its variants in each tier, and its title."""
+    """Prints every check with its engines, the number of its variants in each tier, and its title.
+
+    as_json: print all variants and faults, as JSON, instead of a table.
+    """
     rows = []
     for check in all_checks():
-        offers = _offers(check)
+        offers = _variants_by_engine(check)
         rows.append(
             {
                 "check": check.name,
@@ -73,7 +76,7 @@ def list_checks(as_json: bool) -> None:
         return
     table = Table("check", "engines", "quick", "full", "measures", box=None, pad_edge=False)
     for check in all_checks():
-        offers = _offers(check)
+        offers = _variants_by_engine(check)
         tiers = Counter({one.name: one.tier for variants in offers.values() for one in variants}.values())
         counts = [str(tiers[tier]) if tiers[tier] else "" for tier in ("quick", "full")]
         table.add_row(check.name, " ".join(offers), *counts, check.title)
@@ -81,7 +84,10 @@ def list_checks(as_json: bool) -> None:
 
 
 def show(name: str) -> None:
-    """Prints what one check is."""
+    """Prints equation, criterion, needs, variants and planted faults of a check.
+
+    name: of a check, or of a case. UsageError if there is no such check.
+    """
     check = runner.find(name)
     console = _console()
     console.print(f"[bold]{check.name}[/bold]", highlight=False)
@@ -90,10 +96,10 @@ def show(name: str) -> None:
         ("equation", check.equation),
         ("criterion", check.criterion),
         ("citation", check.citation),
-        ("needs", "; ".join(_in_words(one) for one in _needs(check))),
+        ("needs", "; ".join(_needs_as_text(one) for one in _needs(check))),
     ):
         console.print(f"  {label:<10} {text}", highlight=False, markup=False)
-    for engine, variants in _offers(check).items():
+    for engine, variants in _variants_by_engine(check).items():
         for tier in ("quick", "full"):
             names = [one.name for one in variants if one.tier == tier]
             if names:
@@ -107,14 +113,14 @@ def _needs(check: Check) -> tuple[Needs, ...]:
     return check.needs if isinstance(check.needs, tuple) else (check.needs,)
 
 
-def _in_words(needs: Needs) -> str:
-    """What a check asks of an engine, as "[gravity] by stepping schemes; masses[]; virial"."""
+def _needs_as_text(needs: Needs) -> str:
+    """What a check asks of an engine, as "[gravity] by stepping schemes, masses[], virial"."""
     kinds = f"[{needs.interaction}] by {' or '.join(needs.kinds)} schemes"
     return ", ".join([kinds, *needs.schemes, *sorted(needs.words), *sorted(needs.observables), *needs.promises])
 
 
 def engines() -> None:
-    """Prints each engine's version, or why it cannot run."""
+    """Prints each installed engine with its version, or the reason why it cannot run on this machine."""
     table = Table("engine", "state", "version or reason", "schemes", box=None, pad_edge=False)
     for name in engine_names():
         worker = Worker(name, time_limit=120)
@@ -188,7 +194,16 @@ def run(
     resume: Path | None,
     junit: Path | None,
 ) -> int:
-    """Runs the selected cases, writes record, report and JUnit XML, prints the table; the exit status."""
+    """Runs cases, writes record and report, prints a table; returns the exit status.
+
+    patterns: shell patterns of names of checks or cases; none: all. tier: "quick" or "full". engine_list: names, or
+    path.py:Class; none: all installed. seed: the suite's seed. jobs: cases at a time; None: one per core. out:
+    directory of record and report. resume: directory of an interrupted run to be completed, in place of out; None: a
+    new run. junit: file for JUnit XML; None: none.
+
+    The status is 1 if a case failed or ended in error, 130 after an interrupt by the user, else 0. UsageError for an
+    unknown tier or engine, if no check matches, or if the run to be completed had another seed.
+    """
     from crosscheck.report.html import write_report
     from crosscheck.report.junit import write_junit
 
@@ -199,11 +214,11 @@ def run(
     if resume is not None:
         before = read(resume)
         if any(line["provenance"]["seed"] != seed for line in before):
-            raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start anew")
+            raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start a new run")
         done = finished(before)
         cases = [case for case in cases if (case.name, case.engine) not in done]
     elif (directory / FILE).exists():
-        # an interrupted run that was not resumed is kept once
+        # the last record in this directory is kept, in case it is of an interrupted run that was to be resumed
         (directory / FILE).replace(directory / f"previous-{FILE}")
     record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
     display = _Display(len(cases))
@@ -220,6 +235,8 @@ def run(
     lines = read(directory)
     console = _console()
     _print_table(console, lines)
+    for name in engine_list:
+        print(_share_of_checks(name))
     report_path = write_report(directory)
     if junit is not None:
         write_junit(lines, junit)
@@ -229,6 +246,14 @@ def run(
         f"{summary} in {time.perf_counter() - started:.0f} s; report: {report_path}", highlight=False, soft_wrap=True
     )
     return 1 if counts["fail"] or counts["error"] else 0
+
+
+def _share_of_checks(name: str) -> str:
+    """How many checks judge the engine of this name: what the others measured of it is nothing, and not green."""
+    checks = all_checks()
+    matched = sum(bool(runner.judging(check, name, engine_class(name))) for check in checks)
+    rest = len(checks) - matched
+    return f"{name}: {matched} checks match what it declares, {rest} need more and say nothing of it (docs/engines.md)"
 
 
 def _print_table(console: Console, lines: list[Line]) -> None:
@@ -264,14 +289,18 @@ def _print_table(console: Console, lines: list[Line]) -> None:
 
 
 def report(directory: Path) -> None:
-    """Writes the report of a finished or interrupted run."""
+    """Writes the report of a finished or interrupted run. directory: of the run. UsageError if it has no record."""
     from crosscheck.report.html import write_report
 
     print(write_report(directory))
 
 
 def simulate(scene: Path, engine_list: list[str], out: Path) -> None:
-    """Runs a scene and prints the paths of what was written."""
+    """Runs a scene and prints the paths of the files written.
+
+    scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
+    files. UsageError: see `crosscheck.simulate.run.simulate`.
+    """
     from crosscheck.simulate.run import simulate as simulate_scene
 
     for path in simulate_scene(scene, engine_list, out):
@@ -282,7 +311,12 @@ def simulate(scene: Path, engine_list: list[str], out: Path) -> None:
 
 
 def prove(patterns: list[str], jobs: int | None, seed: int) -> int:
-    """Runs every planted fault; prints one line each; 0 if all turn their check red, 1 otherwise."""
+    """Runs checks with their planted faults, and prints a line for each; returns the exit status.
+
+    patterns: shell patterns of names of checks or of `check/variant`; none: all. jobs: faults at a time; None: one per
+    core. seed: the suite's seed. The status is 0 if every fault turns its check red, else 1. UsageError if no check
+    with a fault matches, or the text that a fault replaces is not there.
+    """
     planted = [
         (check, variant, fault)
         for check in all_checks()
@@ -292,19 +326,19 @@ def prove(patterns: list[str], jobs: int | None, seed: int) -> int:
     ]
     if not planted:
         raise UsageError(f"no check matches {' '.join(patterns)}; see `crosscheck list`")
-    blind = 0
+    undetected = 0
     with ThreadPoolExecutor(jobs or len(os.sched_getaffinity(0))) as pool:
         results = pool.map(lambda item: _prove_one(*item, seed=seed), planted)
         for (check, variant, fault), verdict in zip(planted, results, strict=True):
             red = verdict.outcome == "fail"
-            blind += not red
+            undetected += not red
             state = "red" if red else f"NOT RED ({verdict.outcome})"
             print(f"{state:<16} {check.name}/{variant}  {fault.name}: {fault.breaks}", flush=True)
             if verdict.message:
                 print(f"    {verdict.message}")
     runner.close_pools()
-    print(f"{len(planted) - blind} of {len(planted)} planted faults turned their check red")
-    return 1 if blind else 0
+    print(f"{len(planted) - undetected} of {len(planted)} planted faults turned their check red")
+    return 1 if undetected else 0
 
 
 def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int) -> Verdict:

@@ -19,7 +19,9 @@ WHY_ORDER = "orders are whole numbers; a quarter keeps the neighbouring ones thr
 
 
 class Limit(NamedTuple):
-    """Value at step 0; error: its own estimate; weights: of the runs, by which their rounding errors add up."""
+    """An extrapolation to step 0. value: (...). error: its estimated error, the largest of all components. weights:
+    (runs,), of the runs in the value; their rounding errors are multiplied by these.
+    """
 
     value: Floats
     error: float
@@ -27,11 +29,11 @@ class Limit(NamedTuple):
 
 
 def extrapolate(steps: ArrayLike, values: ArrayLike) -> Limit:
-    """Results of a symmetric scheme at several steps, coarsest first, taken to step 0.
+    """Results of a symmetric scheme, extrapolated to step 0.
 
-    The error of a symmetric scheme has even powers of the step alone, so the values are on a polynomial in dt^2; shape
-    (runs, ...). The error is the largest change when the coarsest run is left out: that of one order less.
-    ValueError for fewer than 3 runs.
+    The error of a symmetric scheme has even powers of the step only, so the values lie on a polynomial in dt^2 (Hairer,
+    Norsett and Wanner). steps: (runs,), coarsest first. values: (runs, ...). The estimated error is the largest change
+    of the value when the coarsest run is left out. ValueError for fewer than 3 runs.
     """
     x, y = np.asarray(steps, dtype=np.float64) ** 2, np.asarray(values, dtype=np.float64)
     if x.size < 3:

@@ -1,12 +1,12 @@
-"""Errors that a user can mend: shown as one line, exit status 2, no traceback."""
+"""The exceptions of the suite. The command line shows them as a message without a traceback."""
 
 
 class UsageError(Exception):
-    """Bad input or bad usage: the message names what, where and the mend."""
+    """A mistake that the user can correct: the message says what is wrong, where, and how to mend it. Exit status 2."""
 
 
 class EngineMissing(Exception):
-    """The engine cannot run on this machine; the message says why."""
+    """The engine cannot run on this machine; the message says why. Its cases are skipped."""
 
 
 class EngineError(Exception):
@@ -14,4 +14,4 @@ class EngineError(Exception):
 
 
 class Unsupported(Exception):
-    """The engine cannot run this scene with this method; the message says why."""
+    """The engine cannot run this scene with this method; the message says why. The case is skipped."""

@@ -1,4 +1,4 @@
-"""Planted faults: named source substitutions in `refimpl`, applied to an overlay copy, never to the installed one."""
+"""Planted faults: named substitutions in the source of `refimpl`, made in a copy, never in the installed one."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from crosscheck.errors import UsageError
 
 @dataclass(frozen=True)
 class Fault:
-    """In `refimpl/<file>`, `old` becomes `new`; `breaks` says in words what is then wrong.
+    """A substitution in a source file of `refimpl`, which a check must detect.
 
-    `old` must occur exactly once in the file: a substitution that no longer matches is an error.
+    name: of the fault. file: path below `refimpl/`. old, new: text that is replaced, and the text in its place. breaks:
+    what is then wrong, in words.
     """
 
     name: str
@@ -23,7 +24,10 @@ class Fault:
     breaks: str
 
     def apply(self, directory: Path) -> None:
-        """Writes a copy of `refimpl` with the fault in it to `directory`/refimpl."""
+        """Writes a copy of `refimpl` with the fault in it to `directory`/refimpl.
+
+        UsageError unless `old` occurs exactly once in the file.
+        """
         import refimpl
 
         shutil.copytree(Path(refimpl.__path__[0]), directory / "refimpl", ignore=shutil.ignore_patterns("__pycache__"))

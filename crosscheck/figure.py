@@ -1,4 +1,4 @@
-"""What a figure of a verdict holds: curves, histograms, particles at one time, or a field on a grid."""
+"""Figures of a verdict: curves and histograms, particles at one time, or a field on a grid."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class Histogram:
     """Heights over bins. Units are those of the axis labels of its figure.
 
     label: its entry in the legend. x: (n + 1,), the edges of the bins, rising. y: (n,), the heights. error: (n,), the
-    half-length of error bars. theory: an expected histogram, drawn as a thin line. ValueError if the lengths do not
-    match. bins: tells it from a `Series` in the record.
+    half-length of error bars. theory: an expected histogram, drawn as a thin line. bins: always true; distinguishes it
+    from a `Series` in the record. ValueError if the lengths do not match.
     """
 
     label: str
@@ -56,7 +56,8 @@ class Frame:
     """A rectangular frame around particles or a field. Lengths in the unit of the axis labels of the figure.
 
     left, right, bottom, top: its sides. walls: the sides that are walls; the others (open, periodic) are drawn dashed.
-    shape: tells it from a `RoundFrame` in the record. ValueError unless right > left and top > bottom, all finite.
+    shape: always "box"; distinguishes it from a `RoundFrame` in the record. ValueError unless right > left and top >
+    bottom, all finite.
     """
 
     left: float
@@ -77,8 +78,8 @@ class Frame:
 class RoundFrame:
     """A circular frame, a wall all around. Lengths in the unit of the axis labels of the figure.
 
-    x, y: its centre. radius: of the circle. shape: tells it from a `Frame` in the record. ValueError unless all are
-    finite and the radius is positive.
+    x, y: its centre. radius: of the circle. shape: always "drum"; distinguishes it from a `Frame` in the record.
+    ValueError unless all are finite and the radius is positive.
     """
 
     x: float
@@ -95,9 +96,10 @@ class RoundFrame:
 class Snapshot:
     """N particles at one time, drawn as circles. Lengths in the unit of the axis labels of the figure.
 
-    x, y: (N,), their centres. radius: one number, or (N,). container: what they are in. value: (N,), the quantity that
-    colours them (speed, temperature). value_label: name and unit of that quantity. limits: ends of the colour scale, by
-    default the range of the values; what lies outside gets the colour of the end, what is not finite none.
+    x, y: (N,), their centres. radius: one number, or (N,). container: the frame around them. value: (N,), the quantity
+    that colours them (speed, temperature). value_label: name and unit of that quantity. limits: ends of the colour
+    scale, by default the range of the values; values outside get the colour of the nearer end, values that are not
+    finite none.
 
     Kept rounded: positions to 1e-4 of the container or finer, all else to four digits. ValueError if the lengths do
     not match, or the limits are not finite and rising.
@@ -126,8 +128,10 @@ class Snapshot:
         object.__setattr__(self, "x", [round(float(v), places) for v in self.x])
         object.__setattr__(self, "y", [round(float(v), places) for v in self.y])
         radius = self.radius
-        object.__setattr__(self, "radius", _short(radius) if isinstance(radius, list) else _short([radius])[0])
-        object.__setattr__(self, "value", None if self.value is None else _short(self.value))
+        object.__setattr__(
+            self, "radius", _four_digits(radius) if isinstance(radius, list) else _four_digits([radius])[0]
+        )
+        object.__setattr__(self, "value", None if self.value is None else _four_digits(self.value))
 
 
 @dataclass(frozen=True)
@@ -135,7 +139,7 @@ class FieldMap:
     """A field on a regular grid of equal cells that spans the container, or the square around a `RoundFrame`.
 
     values: values[row][column], rows from the bottom up, columns from left to right; a cell that is not finite is left
-    blank. container: what the field is in. value_label: name and unit of the values. limits: as in `Snapshot`.
+    blank. container: the frame around the field. value_label: name and unit of the values. limits: as in `Snapshot`.
     arrows: the two components u[row][column], v[row][column] of a vector field on a grid over the same container, as
     fine or coarser. arrow_label: name of the vector field.
 
@@ -158,9 +162,9 @@ class FieldMap:
         for grid in (self.values, u):
             if len({len(row) for row in grid}) > 1:
                 raise ValueError("the rows of a grid must be equally long")
-        object.__setattr__(self, "values", [_short(row) for row in self.values])
+        object.__setattr__(self, "values", [_four_digits(row) for row in self.values])
         if self.arrows is not None:
-            object.__setattr__(self, "arrows", ([_short(row) for row in u], [_short(row) for row in v]))
+            object.__setattr__(self, "arrows", ([_four_digits(row) for row in u], [_four_digits(row) for row in v]))
 
 
 def _check_limits(limits: tuple[float, float] | None) -> None:
@@ -168,7 +172,7 @@ def _check_limits(limits: tuple[float, float] | None) -> None:
         raise ValueError(f"the limits of a colour scale must be finite and rise, got {limits}")
 
 
-def _short(values: list[float]) -> list[float]:
+def _four_digits(values: list[float]) -> list[float]:
     return [float(f"{v:.4g}") for v in values]
 
 

@@ -1,9 +1,8 @@
-"""What a picture of particles shows: which disk is seen where, how large, in which colour; walls; what was left out.
+"""The content of a picture of particles: place, size and colour of each disk, the walls, and what is not shown.
 
-One set of rules for the report, which writes SVG by hand, and for `simulate`, which draws on matplotlib's axes: both
-turn a `Painting` into strokes and decide nothing. Particles come as the record has them, a `figure.Snapshot` as a
-dictionary. The colour map is viridis: perceptually uniform, and in lightness alone monotonic, for those who see fewer
-hues.
+The rules are the same for the report, which writes SVG itself, and for `simulate`, which draws with matplotlib: both
+draw a `Painting` as it is. Particles come as in the record, a `figure.Snapshot` as a dictionary. The colour map is
+viridis: perceptually uniform, and readable with colour blindness, since its lightness is monotonic.
 """
 
 from __future__ import annotations
@@ -16,10 +15,10 @@ from typing import Any, NamedTuple
 
 #: Steps of the colour map.
 LEVELS = 64
-#: What is not smaller counts as not finite: no axis can hold it.
+#: Numbers of this size or more count as not finite: axes of a picture cannot show them.
 LARGEST = 1e150
-#: Particles are drawn no smaller than this, outlined above it, and with an outline of at most so much: radii and width
-#: in units of the drawing.
+#: Smallest radius of a drawn particle, smallest radius of one with an outline, and largest width of the outline; in
+#: units of the drawing.
 _SMALLEST, _OUTLINED, _OUTLINE = 0.5, 0.8, 0.6
 
 #: Ends of a colour scale.
@@ -29,7 +28,7 @@ Segment = tuple[float, float, float, float]
 
 
 class Extent(NamedTuple):
-    """A rectangle, in the unit of the particles' positions."""
+    """A rectangle. left, right, bottom, top: its sides, in the unit of the particles' positions."""
 
     left: float
     right: float
@@ -42,11 +41,11 @@ class Extent(NamedTuple):
         return max(self.right - self.left, self.top - self.bottom)
 
     def holds(self, x: float, y: float) -> bool:
-        """Whether the point lies in it; one that is not finite does not."""
+        """Whether the point (x, y) lies in it; one that is not finite does not."""
         return self.left <= x <= self.right and self.bottom <= y <= self.top
 
     def nearest(self, x: float, y: float) -> tuple[float, float]:
-        """The point of the rectangle nearest to (x, y); not a number counts as too large."""
+        """The point of the rectangle nearest to (x, y); NaN counts as infinity."""
         return (
             min(max(x, self.left), self.right) if x == x else self.right,
             min(max(y, self.bottom), self.top) if y == y else self.top,
@@ -74,7 +73,10 @@ BLANK, PLAIN = -1, -2
 
 @dataclass(frozen=True)
 class Container:
-    """Lines of what the particles are in. walls: thick; sides without a wall; circle: x, y, radius of a round wall."""
+    """The lines around the particles.
+
+    walls: straight walls, drawn thick. sides: sides without a wall. circle: x, y, radius of a round wall; None: none.
+    """
 
     walls: list[Segment]
     sides: list[Segment]
@@ -83,7 +85,7 @@ class Container:
 
 @dataclass(frozen=True)
 class Painting:
-    """What is seen of a snapshot.
+    """The picture of a snapshot.
 
     disks: in the order of the particles. lost: where a cross at the edge stands for a particle outside. limits: of the
     colour scale; None without a value to colour. beyond: how many values lie below and above it. blank: particles
@@ -99,7 +101,7 @@ class Painting:
 
     @property
     def lost_remarks(self) -> list[str]:
-        """What the crosses mean, if there are any."""
+        """The line of text that explains the crosses; none without crosses."""
         if not self.lost:
             return []
         return [f"× at the edge: {many(len(self.lost), 'particle')} outside the picture or not finite."]
@@ -144,12 +146,12 @@ def colours() -> tuple[str, ...]:
 
 
 def number(value: float | None) -> float:
-    """A number of a record: NaN for null, which stands for what is not finite, and for what no axis can hold."""
+    """`value`, a number of a record, as a float; NaN for null, a number that is not finite, and from LARGEST on."""
     return math.nan if value is None or not abs(value) < LARGEST else float(value)
 
 
 def limits_of(given: Sequence[float] | None, values: list[float]) -> Limits | None:
-    """Ends of the colour scale: those given, or the range of the values; None without a value to colour."""
+    """Ends of the colour scale: those given, or the range of the finite values; None if no value is finite."""
     finite = [value for value in values if math.isfinite(value)]
     if not finite:
         return None
@@ -163,7 +165,7 @@ def limits_of(given: Sequence[float] | None, values: list[float]) -> Limits | No
 
 
 def level_of(value: float, limits: Limits) -> int:
-    """The level of the colour map for a finite value; beyond the limits, that of the end."""
+    """The level, 0 to LEVELS - 1, of the colour map for a finite value; beyond the limits, that of the end."""
     low, high = limits
     if not low < value < high:
         return LEVELS - 1 if value >= high else 0
@@ -171,7 +173,7 @@ def level_of(value: float, limits: Limits) -> int:
 
 
 def beyond(values: list[float], limits: Limits | None) -> tuple[int, int]:
-    """How many values lie below and above the colour scale."""
+    """Numbers of the values that lie below and above the limits; 0 without limits."""
     if limits is None:
         return 0, 0
     return sum(value < limits[0] for value in values), sum(value > limits[1] for value in values)
@@ -194,11 +196,11 @@ def colour_limits(snapshot: dict[str, Any]) -> Limits | None:
 
 
 def paint(snapshot: dict[str, Any], view: Extent, scale: float, periods: tuple[float, float] = (0.0, 0.0)) -> Painting:
-    """What is seen of a snapshot in the rectangle `view`.
+    """The picture of the part of a snapshot in the rectangle `view`.
 
-    snapshot: a `figure.Snapshot` as a dictionary. scale: units of the drawing in a unit of length. periods: sides of
-    the container along x and y where it is periodic, 0 along the other axes: particles that reach over a periodic edge
-    are seen on both sides.
+    snapshot: a `figure.Snapshot` as a dictionary. scale: units of the drawing per unit of length. periods: sides of the
+    container along x and y where it is periodic, 0 along the other axes: particles that cross a periodic edge are drawn
+    on both sides.
     """
     values = [number(value) for value in snapshot["value"] or ()]
     limits = limits_of(snapshot["limits"], values)
@@ -225,7 +227,7 @@ def paint(snapshot: dict[str, Any], view: Extent, scale: float, periods: tuple[f
 
 
 def _copies(x: float, y: float, radius: float, view: Extent, periods: tuple[float, float]) -> list[tuple[float, float]]:
-    """The places where a disk at x, y is seen: there, and where a periodic copy of it reaches into the view."""
+    """The centres at which a disk at x, y is drawn: its own, and those of periodic images that reach into the view."""
     left, right, bottom, top = view
     places = [(x, y)]
     for axis, (period, low, high) in enumerate(zip(periods, (left, bottom), (right, top), strict=True)):
@@ -242,5 +244,5 @@ def _copies(x: float, y: float, radius: float, view: Extent, periods: tuple[floa
 
 
 def many(count: int, what: str) -> str:
-    """The number with its noun: "1 particle", "2 particles"."""
+    """The number `count` with the noun `what`: "1 particle", "2 particles"."""
     return f"{count} {what}{'s' if count > 1 else ''}"

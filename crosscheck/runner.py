@@ -1,4 +1,4 @@
-"""Runs checks on any `concurrent.futures` executor; those that time something run alone, after the others."""
+"""Runs checks on any `concurrent.futures` executor; checks of computing times run alone, after the others."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ from crosscheck.verdict import Verdict, findings
 
 @dataclass(frozen=True)
 class Case:
-    """One variant of one check on one engine: the unit of work, of the record and of what a crash costs."""
+    """One variant of one check on one engine: the unit of work and of the record; a crash costs one case.
+
+    check, variant, engine: their names. timing: it measures computing times, and runs alone.
+    """
 
     check: str
     variant: str
@@ -33,14 +36,15 @@ class Case:
 
     @property
     def name(self) -> str:
+        """`group/phenomenon/variant`."""
         return f"{self.check}/{self.variant}"
 
 
 def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
-    """The cases whose name, or whose check's name, matches a shell pattern, on the engines given.
+    """The cases whose name, or whose check's name, matches, on those of the engines that declare what the check needs.
 
-    An engine gets the checks whose needs it declares. The full tier contains the quick one. UsageError if nothing
-    matches.
+    patterns: shell patterns; none: all cases. tier: "quick", or "full", which contains it. engines: names, or
+    path.py:Class. UsageError if nothing matches, or if there is no such engine.
     """
     cases: list[Case] = []
     for check in all_checks():
@@ -48,8 +52,8 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
             engine = engine_class(name)
             for variant in judging(check, name, engine):
                 case = Case(check.name, variant.name, name, check.timing)
-                named = any(fnmatchcase(case.name, p) or fnmatchcase(check.name, p) for p in patterns)
-                if (not patterns or named) and (tier == "full" or variant.tier == "quick"):
+                matches = any(fnmatchcase(case.name, p) or fnmatchcase(check.name, p) for p in patterns)
+                if (not patterns or matches) and (tier == "full" or variant.tier == "quick"):
                     cases.append(case)
     if not cases:
         raise UsageError(
@@ -60,9 +64,12 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
 
 
 def unmatched(check: Check, name: str, engine: type[Engine]) -> str | None:
-    """None if the check judges this engine; else what the engine lacks, or that the check compares with it."""
+    """None if `check` judges this engine; else what the engine lacks, or that the check compares others with it.
+
+    name: of the engine. engine: its class.
+    """
     if name in (check.reference if isinstance(check.reference, tuple) else (check.reference,)):
-        return "it is what the check compares with"
+        return "it is the engine that the check compares others with"
     for needs in check.needs if isinstance(check.needs, tuple) else (check.needs,):
         reason = lacks(engine, needs)
         if reason is not None:
@@ -71,7 +78,10 @@ def unmatched(check: Check, name: str, engine: type[Engine]) -> str | None:
 
 
 def judging(check: Check, name: str, engine: type[Engine]) -> tuple[Variant, ...]:
-    """The variants of a check that judge this engine: those whose needs, and the check's own, it declares."""
+    """The variants of a check that judge an engine: those whose needs, and the check's own, it declares.
+
+    name: of the engine. engine: its class.
+    """
     if unmatched(check, name, engine) is not None:
         return ()
     return tuple(
@@ -82,12 +92,12 @@ def judging(check: Check, name: str, engine: type[Engine]) -> tuple[Variant, ...
 
 
 def find(name: str) -> Check:
-    """The check of this name; UsageError with the near ones otherwise."""
+    """The check of this name. name: of a check, or of a case. UsageError, with similar names, if there is none."""
     import difflib
 
     checks = {check.name: check for check in all_checks()}
     parts = name.split("/")
-    for length in range(len(parts), 0, -1):  # the name of a case will do: a variant may have slashes too
+    for length in range(len(parts), 0, -1):  # the name of a variant, which follows that of the check, may have slashes
         candidate = "/".join(parts[:length])
         if candidate in checks:
             return checks[candidate]
@@ -119,7 +129,12 @@ def close_pools() -> None:
 
 
 def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> Verdict:
-    """The verdict of one case; whatever goes wrong becomes a verdict too."""
+    """The verdict of one case.
+
+    Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, else "error". case: what to run.
+    seed: the suite's seed. overlay: a directory with a copy of `refimpl` with a planted fault; None: the installed one.
+    time_limit: seconds that one run of an engine may take.
+    """
     check = find(case.check)
     pool = _pool(overlay, time_limit)
     schemes = engine_class(case.engine).schemes
@@ -143,22 +158,25 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
     return Verdict(check.name, case.variant, case.engine, outcome, found, message, cost, tier)
 
 
-class _Shares:
-    """Cases for several threads: each has a stretch of its own, and then takes from the end of the longest.
+class _CasesOfThreads:
+    """Cases divided among threads: each has a contiguous part, and afterwards takes from the end of the longest part.
 
-    Neighbours want the same kernels: one thread after another's heels would wait for what that one compiles.
+    Neighbouring cases need the same compiled kernels. Threads that took them in turn would wait for each other's
+    compilations.
     """
 
     def __init__(self, cases: list[Case], threads: int) -> None:
         edges = [len(cases) * k // threads for k in range(threads + 1)]
-        self._shares = [deque(cases[start:end]) for start, end in pairwise(edges)]
-        self._of: dict[int, deque[Case]] = {}
+        self._parts = [deque(cases[start:end]) for start, end in pairwise(edges)]
+        self._part_of_thread: dict[int, deque[Case]] = {}
         self._lock = threading.Lock()
 
     def take(self) -> Case:
+        """The next case of the calling thread."""
         with self._lock:
-            mine = self._of.setdefault(threading.get_ident(), self._shares[len(self._of) % len(self._shares)])
-            return mine.popleft() if mine else max(self._shares, key=len).pop()
+            next_part = self._parts[len(self._part_of_thread) % len(self._parts)]
+            mine = self._part_of_thread.setdefault(threading.get_ident(), next_part)
+            return mine.popleft() if mine else max(self._parts, key=len).pop()
 
 
 def run(
@@ -168,9 +186,11 @@ def run(
     on_start: Callable[[Case], None] = lambda case: None,
     executor: Executor | None = None,
 ) -> Iterator[Verdict]:
-    """Yields verdicts as they come: parallel cases first, then those that time something, one after the other.
+    """Yields verdicts as they are finished: parallel cases first, then those with `timing`, one after the other.
 
-    executor: any `concurrent.futures.Executor`; by default `jobs` threads, whose work is done in worker processes.
+    cases: what to run. seed: the suite's seed. jobs: number of threads, each with its own worker processes. on_start:
+    called on the thread of a case when it starts. executor: any `concurrent.futures.Executor`, used in place of the
+    threads; on_start is then not called.
     """
 
     def work(case: Case) -> Verdict:
@@ -182,7 +202,7 @@ def run(
     futures: list[Future[Verdict]] = []
     try:
         parallel = [case for case in cases if not case.timing]
-        shares = _Shares(parallel, jobs)
+        shares = _CasesOfThreads(parallel, jobs)
         futures = [pool.submit(lambda: work(shares.take())) if own else pool.submit(judge, c, seed) for c in parallel]
         for future in as_completed(futures):
             yield future.result()

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 class Mean(NamedTuple):
-    """value +- error, from `independent` effectively independent samples."""
+    """A mean. value: the mean. error: its standard error. independent: effective number of independent samples."""
 
     value: float
     error: float
@@ -24,14 +24,15 @@ class Mean(NamedTuple):
 def correlated_mean(series: ArrayLike, window: float = 6.0) -> Mean:
     """Mean of a stationary series and its standard error, sqrt(2 tau var/n).
 
-    tau = 1/2 + sum_k rho(k), summed to the first k >= window * tau (Wolff; Madras and Sokal). The variance is corrected
-    for the correlation, var (1 + 2 tau/n). ValueError for fewer than 4 values or values that are not finite.
+    tau = 1/2 + sum_k rho(k), summed to the first k >= window * tau (Wolff 2004; N. Madras and A. D. Sokal, J. Stat.
+    Phys. 50, 109 (1988)). The variance is corrected for the correlation, var (1 + 2 tau/n). series: (n,), at equal
+    distances in time. ValueError for fewer than 4 values or values that are not finite.
     """
     x = np.asarray(series, dtype=np.float64)
     n = x.size
     if n < 4 or not np.isfinite(x).all():
         raise ValueError(f"a mean with an error needs at least 4 finite values, got {n}")
-    if x.min() == x.max():  # exactly: the mean, and with it the variance, may be rounded
+    if x.min() == x.max():  # a constant: rounding of its mean would give a variance that is not 0
         return Mean(float(x[0]), 0.0, float(n))
     centred = x - x.mean()
     variance = float(np.mean(centred**2))
@@ -47,18 +48,21 @@ def correlated_mean(series: ArrayLike, window: float = 6.0) -> Mean:
 
 
 def standard_error(values: ArrayLike) -> Any:
-    """Of the mean over the first axis, of n independent values: s/n^(1/2), s^2 = sum (x - mean)^2/(n - 1)."""
+    """Standard error of the mean over the first axis: s/n^(1/2), s^2 = sum (x - mean)^2/(n - 1).
+
+    values: (n, ...), independent of each other along the first axis.
+    """
     x = np.asarray(values, dtype=np.float64)
     return x.std(axis=0, ddof=1) / len(x) ** 0.5
 
 
 def independent_mean(values: ArrayLike) -> tuple[float, float]:
-    """Mean of independent values, and its standard error."""
+    """Mean of independent values (n,), and its standard error."""
     return float(np.asarray(values).mean()), float(standard_error(values))
 
 
 class Slope(NamedTuple):
-    """Fitted d ln y/d ln x, its standard error from the scatter of the local slopes, and the points used."""
+    """A fitted slope d ln y/d ln x. value: the slope. error: see `fitted_order`. used: number of points used."""
 
     value: float
     error: float
@@ -68,9 +72,10 @@ class Slope(NamedTuple):
 def fitted_order(steps: ArrayLike, errors: ArrayLike, floor: float) -> Slope:
     """Order of convergence: slope of ln(error) against ln(step) in the asymptotic window.
 
-    Points at or below `floor` (rounding) are left out. The window is the three smallest remaining steps: the fit
-    there is straightest. The error is the largest departure of a local slope from the fit. Where fewer than 3 points
-    remain: no number if some have diverged, else ValueError.
+    The window is the three smallest steps whose errors are above the rounding errors: there, terms of higher order are
+    smallest. The error of the slope is the largest difference of the slope between neighbouring points from it. steps,
+    errors: (n,). floor: errors at or below it are rounding errors, and left out. Where fewer than 3 points remain: NaN
+    if an error is not finite, since a run has diverged, else ValueError.
     """
     x, y = np.asarray(steps, dtype=np.float64), np.asarray(errors, dtype=np.float64)
     good = np.isfinite(y) & (y > floor)
@@ -88,7 +93,9 @@ def fitted_order(steps: ArrayLike, errors: ArrayLike, floor: float) -> Slope:
 
 
 class Fit(NamedTuple):
-    """Bayesian information criterion (smaller is better) and coefficients of a + b f(N), or a alone."""
+    """A fitted law of growth. bic: Bayesian information criterion; the best law has the smallest. coefficients: a and b
+    of a + b f(N), or a alone.
+    """
 
     bic: float
     coefficients: tuple[float, ...]
@@ -108,7 +115,8 @@ def model_comparison(
     """Fits `values` +- `errors` by each law of growth: constant, or a + b f(N) with f = log N, sqrt N, N, N^2.
 
     Weighted least squares; BIC = n ln(chi^2/n) + k ln n with k coefficients, for errors that are known up to a common
-    factor (Schwarz, Ann. Stat. 6, 461 (1978)). ValueError for fewer than 4 sizes, or an error that is not positive.
+    factor (G. Schwarz, Ann. Stat. 6, 461 (1978)). sizes: N, (n,). values, errors: (n,), in one unit. laws: names of the
+    laws to fit. ValueError for fewer than 4 sizes, or an error that is not positive.
     """
     n, y, u = (np.asarray(column, dtype=np.float64) for column in (sizes, values, errors))
     if n.size < 4 or not (u > 0).all():
@@ -117,7 +125,7 @@ def model_comparison(
     for law in laws:
         columns = [np.ones_like(n)] + ([] if law == "constant" else [_LAWS[law](n)])
         design = np.stack(columns, axis=1) / u[:, None]
-        # columns of one size: sums of N^2 and of 1 differ by many orders
+        # columns of norm 1: the sums of N^2 and of 1 differ by many orders of magnitude
         scale = np.linalg.norm(design, axis=0)
         solution, *_ = np.linalg.lstsq(design / scale, y / u)
         chi2 = float(np.sum((design / scale @ solution - y / u) ** 2))

@@ -1,4 +1,4 @@
-"""Judgements and verdicts: what was measured, against what, by which criterion, and what came of it.
+"""Judgements and verdicts: what was measured, what was expected, by which criterion they are compared, the outcome.
 
 A criterion is one of five kinds:
 
@@ -7,7 +7,7 @@ order       the same, for the fitted slope of log error against log step;
 statistical |measured - expected| <= z u, with u the standard error of correlated data and z the two-sided quantile for
             the false-alarm rate `FALSE_ALARM` of one verdict;
 bound       measured <= limit (or >=);
-expected_failure  the thing must be *found* wrong: measured >= limit.
+expected_failure  a deviation that the check must find: measured >= limit.
 """
 
 from __future__ import annotations
@@ -36,7 +36,11 @@ SENSITIVITY = (
 
 @dataclass(frozen=True)
 class Criterion:
-    """kind, sense, the allowed deviation in the unit of `measured` (of a bound: the limit), and why it is that."""
+    """How a measured value is compared with the expected one.
+
+    kind: see the module. sense: on which side of the expected value the measured one may lie. tolerance: the allowed
+    deviation in the unit of the measured value; of a bound, the limit. why: the reason for this tolerance.
+    """
 
     kind: Kind
     sense: Sense
@@ -46,13 +50,15 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Judgement:
-    """One measured number against what was expected of it.
+    """One measured number compared with the expected one.
 
-    deviation: as a share of the tolerance, whatever the criterion: red above 1. sigmas: of a statistical judgement, the
-    deviation in standard errors. sensitivity: the smallest deviation from the expected value that would have been red,
-    as a share of that value (absolute where that is zero); of a bound, how far the measured value was from turning red:
-    |limit - measured|/|limit|. control: it says that the set-up is as meant, and is shown only when it is not green.
-    note: a remark on this number.
+    outcome: "pass" is called green, "fail" red. quantity: name and unit of what was measured. measured, uncertainty: it
+    and its standard error. expected, expected_uncertainty: the same of the reference. deviation: as a share of the
+    tolerance, whatever the criterion: red above 1. sensitivity: the smallest deviation from the expected value that
+    would have been red, as a share of that value (absolute where that is zero); of a bound, how far the measured value
+    was from turning red: |limit - measured|/|limit|. criterion: how they were compared. sigmas: the deviation in
+    standard errors, of a statistical judgement. control: it checks the set-up of the simulation, and is shown only when
+    it is not green. note: a remark on this number. figures: see `crosscheck.figure`.
     """
 
     outcome: Outcome
@@ -70,14 +76,18 @@ class Judgement:
     figures: tuple[Figure, ...] = ()
 
     def as_record(self) -> dict[str, Any]:
-        """Everything but the figures, which belong to the verdict; numbers that are not finite become null."""
+        """All fields but the figures, which the record keeps once for a verdict; non-finite numbers become null."""
         fields = {name: value for name, value in asdict(self).items() if name != "figures"}
         return dict(_finite(fields))
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What a check found for one variant: all its judgements, in a fixed order, with a note and figures."""
+    """The result of a check for one variant.
+
+    judgements: all of them, in an order that does not depend on the numbers. note: a remark on all of them. figures: of
+    the variant.
+    """
 
     judgements: tuple[Judgement, ...]
     note: str = ""
@@ -85,7 +95,7 @@ class Findings:
 
     @property
     def worst(self) -> int:
-        """Index of the judgement that decides, and is shown: red before undecided before green, then by deviation."""
+        """Index of the judgement that decides, and is shown: red, else inconclusive, else green; then by deviation."""
         return max(range(len(self.judgements)), key=lambda i: _rank(self.judgements[i]))
 
     @property
@@ -95,7 +105,7 @@ class Findings:
 
     @property
     def outcome(self) -> Outcome:
-        """Of the judgement that decides."""
+        """The outcome of the judgement that decides."""
         return self.shown.outcome
 
 
@@ -104,23 +114,24 @@ Judged: TypeAlias = Judgement | Findings
 
 
 def _rank(judgement: Judgement) -> tuple[int, bool, float]:
+    """Key by which the judgement that decides is the largest; a green control is below all other judgements."""
     red = {"fail": 2, "inconclusive": 1}.get(judgement.outcome, 0)
     deviation = judgement.deviation
     return red, red > 0 or not judgement.control, 0.0 if deviation is None or math.isnan(deviation) else deviation
 
 
 def findings(judged: Judged) -> Findings:
-    """The findings of a check that returned one judgement or several."""
+    """`judged`, what a check returned, as findings: of one judgement, with its note and figures, or as they are."""
     if isinstance(judged, Findings):
         return judged
     return Findings((replace(judged, note="", figures=()),), judged.note, judged.figures)
 
 
 def worst(judged: Sequence[Judged], note: str = "", figures: tuple[Figure, ...] | None = None) -> Findings:
-    """Several judgements as one verdict, which is the worst of them.
+    """Several judgements as findings, whose outcome is that of the worst of them.
 
-    judged: in an order that does not depend on the numbers. note: what is said of all of them. figures: by default
-    those of all of them.
+    judged: judgements and findings, in an order that does not depend on the numbers. note: a remark on all of them.
+    figures: of the findings; None: those of all of them.
     """
     several = [findings(one) for one in judged]
     if figures is None:
@@ -134,14 +145,19 @@ def worst(judged: Sequence[Judged], note: str = "", figures: tuple[Figure, ...] 
 
 
 def controls(judged: Judged) -> Findings:
-    """The same judgements as controls of the set-up."""
+    """The judgements in `judged`, marked as controls of the set-up: see `Judgement`."""
     found = findings(judged)
     return replace(found, judgements=tuple(replace(one, control=True) for one in found.judgements))
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of one variant of one check on one engine, with its cost; findings are absent after a skip or error."""
+    """The result of one case: of one variant of one check on one engine.
+
+    check: name of the check. variant, engine: their names. outcome: that of the findings, or "skip" or "error".
+    findings: None after a skip or an error. message: the reason for a skip or error, or "". cost: seconds of the whole
+    case, and the fields of `Cost` summed over its runs. tier: of the variant.
+    """
 
     check: str
     variant: str
@@ -176,6 +192,7 @@ class Verdict:
 
 
 def _finite(value: Any) -> Any:
+    """The value as JSON can hold it: numpy's numbers and arrays as Python's, non-finite numbers as None."""
     if hasattr(value, "tolist"):  # numpy's numbers and arrays
         value = value.tolist()
     if isinstance(value, dict):
@@ -188,11 +205,12 @@ def _finite(value: Any) -> Any:
 
 
 def _not_nan(deviation: float) -> float:
-    """Infinite where it is not a number: nothing is further off."""
+    """The deviation; infinity for NaN, so that NaN fails."""
     return math.inf if math.isnan(deviation) else deviation
 
 
 def _relative(tolerance: float, expected: float) -> float:
+    """The tolerance relative to the expected value; absolute where that is zero."""
     return tolerance / abs(expected) if expected else tolerance
 
 
@@ -208,7 +226,12 @@ def within(
     note: str = "",
     figures: tuple[Figure, ...] = (),
 ) -> Judgement:
-    """|measured - expected| <= tolerance; not a number fails. ValueError unless the tolerance is positive."""
+    """The judgement |measured - expected| <= tolerance; NaN fails.
+
+    kind: of the criterion. quantity: name and unit of what was measured. tolerance: in that unit. why: the reason for
+    it. uncertainty: standard error of `measured`, for the record only. note, figures: see `Judgement`. ValueError
+    unless the tolerance is positive.
+    """
     if not tolerance > 0:
         raise ValueError(f"the tolerance of '{quantity}' must be positive, got {tolerance}")
     deviation = _not_nan(abs(measured - expected) / tolerance)
@@ -228,12 +251,19 @@ def within(
 
 
 def round_off(quantity: str, error: float, tolerance: float, why: str, **more: Any) -> Judgement:
-    """An error that must be of the size of rounding: expected 0."""
+    """The judgement |error| <= tolerance of an error that must be of the size of rounding errors.
+
+    quantity, tolerance, why, more, ValueError: as in `within`.
+    """
     return within("round_off", quantity, error, 0.0, tolerance, why, **more)
 
 
 def order(quantity: str, slope: float, expected: float, tolerance: float, why: str, **more: Any) -> Judgement:
-    """A fitted order of convergence against the nominal one."""
+    """The judgement |slope - expected| <= tolerance of a fitted order of convergence.
+
+    slope: of log error against log step. expected: the order of the scheme. quantity, tolerance, why, more, ValueError:
+    as in `within`.
+    """
     return within("order", quantity, slope, expected, tolerance, why, **more)
 
 
@@ -249,10 +279,10 @@ def bounded(
     note: str = "",
     figures: tuple[Figure, ...] = (),
 ) -> Judgement:
-    """measured <= limit (or >= with `at_least` or `expected_failure`); not a number fails.
+    """The judgement measured <= limit, or >= with `at_least` or `expected_failure`; NaN fails.
 
-    The deviation is measured/limit, or its inverse: red above 1. Where one of them is not positive, 0 or infinite.
-    control: see `Judgement`.
+    The deviation is measured/limit, or its inverse; where one of the two is not positive, 0 or infinite. quantity: name
+    and unit of what was measured. limit: in that unit. why: the reason for it. control, note, figures: see `Judgement`.
     """
     lower = at_least or expected_failure
     good = measured >= limit if lower else measured <= limit
@@ -288,11 +318,14 @@ def statistical(
     note: str = "",
     figures: tuple[Figure, ...] = (),
 ) -> Judgement:
-    """measured +- u against expected +- u, by Student's t with `samples` - 1 degrees of freedom.
+    """The judgement |measured - expected| <= t u, u^2 = uncertainty^2 + expected_uncertainty^2; NaN fails.
 
-    samples: number of independent samples behind the smaller of the two data sets; fewer than 10 do not give an error
-    bar to trust: "inconclusive". needed: the relative deviation that the check is meant to see; a green outcome that
-    could not have seen it is "inconclusive". Not a number fails.
+    t is the two-sided quantile of Student's distribution with `samples` - 1 degrees of freedom for `FALSE_ALARM`.
+    quantity: name and unit of what was measured. uncertainty, expected_uncertainty: standard errors, in that unit. why:
+    the reason for what is expected. samples: number of independent samples of the smaller of the two data sets; below
+    10 the error bar itself is too uncertain, and the outcome is "inconclusive". needed: the relative deviation that the
+    check must be able to detect; where it could not, "inconclusive" takes the place of "pass". note, figures: see
+    `Judgement`.
     """
     from scipy.stats import t
 
@@ -305,8 +338,8 @@ def statistical(
         sigmas = abs(measured - expected) / u if u > 0 else 0.0
     sensitivity = _relative(tolerance, expected)
     outcome: Outcome = "pass" if sigmas <= quantile else "fail"
-    blunt = needed is not None and sensitivity > needed
-    if (known and samples < 10) or (outcome == "pass" and blunt):
+    insensitive = needed is not None and sensitivity > needed
+    if (known and samples < 10) or (outcome == "pass" and insensitive):
         outcome = "inconclusive"
     reason = f"{why}; red beyond {quantile:.2f} sigma, false-alarm rate {FALSE_ALARM:g}"
     return Judgement(

@@ -65,9 +65,12 @@ method = { scheme = "velocity_verlet", dt = 0.1 }
 
 def test_an_observable(copy: Path, command: COMMAND, tmp_path: Path) -> None:
     """One row of the table: every engine has it, the CSV file, its header and the reference pages name it."""
-    row = """Observable("top_speed", "particles", ("sample",), "length/time", "largest speed", needs=("velocities",),
-        derive=lambda masses, samples: np.linalg.norm(samples["velocities"], axis=2).max(axis=1)),
-    """
+    row = (
+        'Observable("top_speed", "particles", ("sample",), "length/time", "largest speed",\n'
+        '               needs=("velocities",),\n'
+        '               derive=lambda masses, samples: np.linalg.norm(samples["velocities"], axis=2).max(axis=1)),'
+        "\n    "
+    )
     table = copy / "crosscheck" / "scene" / "observables.py"
     replace(table, '_hard("collisions", ("sample",)', f'{row}_hard("collisions", ("sample",)')
     replace(table, "from numpy.typing import NDArray", "import numpy as np\nfrom numpy.typing import NDArray")

@@ -25,7 +25,7 @@ PAGES: dict[str, Callable[[], str]] = {
 
 
 def write(directory: Path) -> list[Path]:
-    """Writes all pages into the directory, which is made if need be; returns their paths."""
+    """Writes all pages into `directory`, which is made if need be; returns their paths."""
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     for name, text in PAGES.items():

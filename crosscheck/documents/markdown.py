@@ -10,11 +10,11 @@ NOTICE = f"This file is generated: change the code and run `{COMMAND}`."
 
 
 def page(title: str, lines: Iterable[str]) -> str:
-    """A page with this title; it says that it is generated, and how."""
+    """The text of a page: the notice that it is generated, its title, and the lines."""
     return "\n".join([f"<!-- {NOTICE} -->", "", f"# {title}", "", *lines]) + "\n"
 
 
 def table_of(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """The lines of a table; cells may hold any text of one line."""
+    """The lines of a table. head: its column titles. rows: its cells, texts of one line, in which "|" is escaped."""
     cells = [head, ["---"] * len(head), *rows]
     return ["| " + " | ".join(cell.replace("|", r"\|") for cell in row) + " |" for row in cells]

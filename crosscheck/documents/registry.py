@@ -14,7 +14,7 @@ from crosscheck.scene.parts import INTERACTIONS
 
 
 def _shipped() -> dict[str, type[Engine]]:
-    """The engines that come with the suite: a page does not depend on what else is installed."""
+    """The engines that come with the suite, so that a page does not depend on what else is installed."""
     return {name: engine_class(name) for name in shipped_engines()}
 
 
@@ -72,7 +72,7 @@ def observables() -> str:
 
 
 def engines() -> str:
-    """The page of what the shipped engines declare, a matrix per interaction."""
+    """The page of what the shipped engines declare, one table per interaction."""
     lines = _ENGINES.splitlines()
     for interaction in INTERACTIONS:
         columns = [
@@ -111,7 +111,7 @@ _KINDS = {
 
 
 def schemes() -> str:
-    """The page of all schemes of the shipped engines, with what they claim and are held to."""
+    """The page of all schemes of the shipped engines, with their claims."""
     rows = [
         (
             f"`{scheme}`",
@@ -141,7 +141,7 @@ def _claim(value: bool | None) -> str:
 
 
 def checks() -> str:
-    """The page of all checks, a section per group."""
+    """The page of all checks, one section per group."""
     groups: dict[str, list[Check]] = {}
     for check in all_checks():
         groups.setdefault(check.name.partition("/")[0], []).append(check)

@@ -149,7 +149,7 @@ The same as a JSON Schema, for editors: [scene.schema.json](scene.schema.json)."
 
 
 def _text(part: type[Part]) -> str:
-    """What a table is: the docstrings of its model and of the models that it extends, a line a paragraph."""
+    """The docstrings of a table's model and of the models that it extends, one line per paragraph."""
     models = [SceneEntries] if part is Scene else [model for model in part.__mro__ if issubclass(model, Part)]
     texts = [inspect.cleandoc(model.__doc__ or "") for model in models if model not in (Part, Interaction)]
     return "\n\n".join(" ".join(paragraph.split()) for text in texts for paragraph in text.split("\n\n"))
@@ -174,7 +174,7 @@ def _words(table: Table) -> list[str]:
 
 
 def unit_and_meaning(description: str) -> tuple[str, str]:
-    """The two parts of a description "[unit] meaning"; without a unit, the first one is empty."""
+    """The two parts of `description`, "[unit] meaning"; without a unit, the first one is empty."""
     text = " ".join(description.split())
     if not text.startswith("["):
         return "", text

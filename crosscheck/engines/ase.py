@@ -16,12 +16,12 @@ from crosscheck.engines.capabilities import capability
 from crosscheck.engines.protocol import Claims, Cost, Run, sample_times, strides, timed
 from crosscheck.scene import LennardJones, Method, Scene, State
 
-#: `ase.neighborlist.NeighborList` adds this length, whatever the scene's unit of length, to every cutoff.
+#: `ase.neighborlist.NeighborList` adds this number to every cutoff, whatever the scene's unit of length.
 _SKIN = 0.3
 
 
 class AseEngine:
-    """`ase.md.verlet.VelocityVerlet` with `ase.calculators.lj.LennardJones`."""
+    """`ase.md.verlet.VelocityVerlet` with `ase.calculators.lj.LennardJones`, one species, no walls."""
 
     name = "ase"
     schemes = {"velocity_verlet": Claims((2, 2), None, symplectic=True)}
@@ -80,17 +80,17 @@ class AseEngine:
                 run.diverged = not _advance(dynamics, steps % every)
         run.cost.steps, run.cost.evaluations = dynamics.nsteps, dynamics.nsteps + 1
 
-        nowhere = np.full(shape[1:], np.nan)
+        nan_state = np.full(shape[1:], np.nan)
         d = scene.dimension
-        run["final_positions"] = nowhere if run.diverged else atoms.get_positions()[:, :d]
-        run["final_velocities"] = nowhere if run.diverged else atoms.get_velocities()[:, :d]
+        run["final_positions"] = nan_state if run.diverged else atoms.get_positions()[:, :d]
+        run["final_velocities"] = nan_state if run.diverged else atoms.get_velocities()[:, :d]
         if output.forces:
-            run["forces"] = nowhere if run.diverged else atoms.get_forces()[:, :d]
+            run["forces"] = nan_state if run.diverged else atoms.get_forces()[:, :d]
         return run
 
 
 def _atoms(scene: Scene, state: State, lj: LennardJones) -> Any:
-    """The scene as an `Atoms` object; coordinates that it lacks are zero, along axes that are not periodic."""
+    """The scene as an `Atoms` object in three dimensions; axes that the scene does not have are open, at 0."""
     from ase import Atoms
     from ase.calculators.lj import LennardJones as Calculator
 
@@ -98,8 +98,8 @@ def _atoms(scene: Scene, state: State, lj: LennardJones) -> Any:
     # a cell of rank 3 makes ASE compute the stress; along open axes its length has no other effect
     cell = [1.0] * 3
     periodic = [boundary == "periodic" for boundary in scene.boundaries] + [False] * missing
-    for axis, around in enumerate(periodic):
-        if around:
+    for axis, is_periodic in enumerate(periodic):
+        if is_periodic:
             assert state.lengths is not None
             cell[axis] = float(state.lengths[axis])
     atoms = Atoms(
@@ -115,6 +115,7 @@ def _atoms(scene: Scene, state: State, lj: LennardJones) -> Any:
 
 
 def _one(value: float | tuple[float, ...]) -> float:
+    """The value of the only species."""
     return value if isinstance(value, float) else value[0]
 
 
@@ -135,6 +136,7 @@ def _advance(dynamics: Any, steps: int) -> bool:
 
 
 def _record(run: Run, sample: int, atoms: Any, lj: LennardJones) -> None:
+    """Writes the present state into the arrays of the run, at this sample."""
     if "positions" in run and "velocities" in run:
         d = run["positions"].shape[2]
         run["positions"][sample] = atoms.get_positions()[:, :d]
@@ -149,7 +151,7 @@ def _record(run: Run, sample: int, atoms: Any, lj: LennardJones) -> None:
 
 
 def _unshift(atoms: Any, lj: LennardJones) -> float:
-    """What plain truncation adds to ASE's energy, which is shifted: phi(cutoff) per pair within the cutoff."""
+    """Difference of plain truncation from ASE's energy, which is shifted: phi(cutoff) per pair within the cutoff."""
     from ase.neighborlist import neighbor_list
 
     if lj.truncation == "shifted":

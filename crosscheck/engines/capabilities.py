@@ -2,7 +2,7 @@
 
 A scene is made of *words*: the entries of its tables by their dotted names, `hard_spheres.friction`,
 `box.boundaries=hard`, `method.contact.law=hooke`. They are read off the scene's models, so that a new entry of the
-scene language is a new word, which no engine has declared: it never reaches an engine that has not heard of it.
+scene language is a new word. No engine that was written before declares it, so scenes with it are refused for them.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from crosscheck.scene import Method, Scene
 from crosscheck.scene.observables import TABLE
 from crosscheck.scene.parts import Part
 
-#: Entries that every engine meets through `Scene.initial_state`, `lengths`, `samples`, `steps` and `asked`, or that the
-#: suite itself acts on.
-_THROUGH_THE_SCENE = {
+#: Entries that engines need not declare: what they mean reaches every engine by the methods of `Scene` (initial_state,
+#: lengths, samples, steps, asked), or the suite itself acts on them.
+_NOT_DECLARED = {
     "name",
     "duration",
     "species",
@@ -39,9 +39,10 @@ _THROUGH_THE_SCENE = {
 class Capability:
     """Scenes of one interaction that an engine can run, with schemes of one kind.
 
-    interaction: the table of the scene. words: those that such a scene may use, beside what every scene has (see
-    `words`). observables: what can be measured: names of `scene.observables.TABLE`. schemes: those that serve; empty:
-    all of the engine whose kind is `kind`.
+    interaction: name of the table, as "gravity". kind: of the schemes, see `crosscheck.engines.protocol.Kind`. words:
+    those that such a scene may use, see the function `words`. observables: what the engine measures, names of
+    `scene.observables.TABLE`. schemes: names of the schemes that can run these scenes; empty: all that are of this
+    kind. ValueError for an observable that is not in the table.
     """
 
     interaction: str
@@ -59,19 +60,24 @@ class Capability:
 def capability(
     interaction: str, kind: str, *, words: str, observables: str, schemes: tuple[str, ...] = ()
 ) -> Capability:
-    """A `Capability` whose words and observables are given in one text each, apart by spaces."""
+    """A `Capability` from texts.
+
+    words, observables: names separated by white space. interaction, kind, schemes, ValueError: as in `Capability`.
+    """
     return Capability(interaction, kind, frozenset(words.split()), frozenset(observables.split()), schemes)
 
 
-#: An engine or its class, `Engine` of the protocol, which builds on this module.
+#: An engine or its class. `Any`, since the protocol `Engine` is in a module that imports this one.
 Declared = Any
 
 
 def words(scene: Scene, method: Method | None = None) -> frozenset[str]:
-    """The words of a scene, and of the method's contact.
+    """The words that `scene` uses, and those of the contact of `method`; method None: the scene's alone.
 
-    An entry at its default is no word, but for a choice among names, which is `entry=choice`. "entry[]": one value for
-    each species, and "masses[]": unlike masses. Entries that have no default belong to their table.
+    An entry is a word where its value differs from its default: `gravity.softening`. An entry whose value is one of
+    several names is always a word, `entry=choice`: `box.boundaries=hard`. `entry[]`: one value per species; `masses[]`:
+    masses that differ; `masses=0`: a mass of 0. An entry without a default is no word of its own: whoever declares its
+    table can read it.
     """
     found = set(_walk(scene, ""))
     found.discard(scene.interaction)
@@ -91,11 +97,12 @@ def words(scene: Scene, method: Method | None = None) -> frozenset[str]:
 
 
 def _walk(part: Part, path: str) -> Iterator[str]:
+    """The words of a table and of those within it. path: what their names start with."""
     for name, field in type(part).model_fields.items():
         entry, value = f"{path}{name}", getattr(part, name)
         if entry in ("initial", "output", "method", "masses"):
             continue
-        named = entry not in _THROUGH_THE_SCENE
+        named = entry not in _NOT_DECLARED
         if isinstance(value, Part):
             if named:
                 yield entry
@@ -109,22 +116,25 @@ def _walk(part: Part, path: str) -> Iterator[str]:
         elif isinstance(value, str):
             yield f"{entry}={value}"
         elif value != field.default:
-            many = isinstance(value, tuple) and _or_one(field.annotation)
-            if many and len(value) == 1:
+            per_species = isinstance(value, tuple) and _takes_one_or_many(field.annotation)
+            if per_species and len(value) == 1:
                 if value[0] != field.default:
                     yield entry
             else:
-                yield f"{entry}[]" if many else entry
+                yield f"{entry}[]" if per_species else entry
 
 
-def _or_one(annotation: Any) -> bool:
-    """The entry takes one value, or a tuple of them."""
+def _takes_one_or_many(annotation: Any) -> bool:
+    """Whether an entry of this type takes one value as well as a tuple of values."""
     forms = [form for form in get_args(annotation) if form is not type(None)]
     return any(get_origin(form) is tuple for form in forms) and any(get_origin(form) is not tuple for form in forms)
 
 
 def measured(scene: Scene) -> frozenset[str]:
-    """Observables that an engine must measure for this scene: what can be derived is replaced by what it needs."""
+    """Names of the observables that an engine must measure for `scene`.
+
+    An observable that the suite derives from others is replaced by these.
+    """
     names: set[str] = set()
     for name, row in scene.asked().items():
         if row.derive is not None:
@@ -135,30 +145,36 @@ def measured(scene: Scene) -> frozenset[str]:
 
 
 def refusal(engine: Declared, scene: Scene, method: Method) -> str | None:
-    """None, or why an engine that declares these capabilities is not given this scene."""
+    """None, or why the suite does not give this scene to this engine.
+
+    engine: an engine or its class. scene: what to run. method: its scheme must be one of the engine's.
+    """
     claims = engine.schemes.get(method.scheme)
     if claims is None:
         return f"no scheme '{method.scheme}'; it has {', '.join(engine.schemes)}"
-    fitting = [one for one in _offered(engine, method.scheme, claims) if one.interaction == scene.interaction]
-    if not fitting:
+    candidates = [one for one in _offered(engine, method.scheme, claims) if one.interaction == scene.interaction]
+    if not candidates:
         able = sorted({f"[{one.interaction}]" for one in _offered(engine, method.scheme, claims)})
         return f"its scheme '{method.scheme}' is for {' and '.join(able) or 'nothing'}, not for [{scene.interaction}]"
-    lacking = [sorted(words(scene, method) - one.words) + sorted(measured(scene) - one.observables) for one in fitting]
-    least = min(lacking, key=len)
-    return f"it declares no {', no '.join(least)} for [{scene.interaction}]" if least else None
+    absent = [
+        sorted(words(scene, method) - one.words) + sorted(measured(scene) - one.observables) for one in candidates
+    ]
+    fewest = min(absent, key=len)
+    return f"it declares no {', no '.join(fewest)} for [{scene.interaction}]" if fewest else None
 
 
 def _offered(engine: Declared, scheme: str, claims: Any) -> list[Capability]:
+    """The capabilities of the engine that this scheme, with these claims, has."""
     return [one for one in engine.capabilities if (scheme in one.schemes if one.schemes else one.kind == claims.kind)]
 
 
 @dataclass(frozen=True)
 class Needs:
-    """What a check asks of an engine: scenes of this interaction, moved by schemes of one of these kinds.
+    """What a check asks of an engine.
 
-    words, observables: those without which no variant of the check can be run. schemes: names that the engine must
-    have. promises: what the engine must have promised of itself, `Engine.promises`: a speed is judged where it is
-    claimed.
+    interaction, kinds: scenes of this interaction, moved by schemes of one of these kinds. words, observables: those
+    without which no variant of the check can be run. schemes: names of schemes that the engine must have. promises:
+    names that the engine's attribute `promises` must hold; "speed": its speed may be judged.
     """
 
     interaction: str
@@ -170,23 +186,25 @@ class Needs:
 
 
 def lacks(engine: Declared, needs: Needs) -> str | None:
-    """None, or what of the needs of a check the engine does not declare."""
+    """None, or which of the needs of a check the engine (or its class) does not declare."""
     absent = [scheme for scheme in needs.schemes if scheme not in engine.schemes]
     if absent:
         return f"no scheme {', '.join(absent)}"
-    unkept = [promise for promise in needs.promises if promise not in getattr(engine, "promises", ())]
-    if unkept:
-        return f"does not promise {', '.join(unkept)}"
-    fitting = [one for one in engine.capabilities if one.interaction == needs.interaction and one.kind in needs.kinds]
-    if not fitting:
+    unpromised = [promise for promise in needs.promises if promise not in getattr(engine, "promises", ())]
+    if unpromised:
+        return f"does not promise {', '.join(unpromised)}"
+    candidates = [
+        one for one in engine.capabilities if one.interaction == needs.interaction and one.kind in needs.kinds
+    ]
+    if not candidates:
         return f"no {' or '.join(needs.kinds)} scheme for [{needs.interaction}]"
-    lacking = [sorted(needs.words - one.words) + sorted(needs.observables - one.observables) for one in fitting]
-    least = min(lacking, key=len)
-    return f"no {', no '.join(least)}" if least else None
+    lacking = [sorted(needs.words - one.words) + sorted(needs.observables - one.observables) for one in candidates]
+    fewest = min(lacking, key=len)
+    return f"no {', no '.join(fewest)}" if fewest else None
 
 
 def scheme_of(engine: Declared, interaction: str, kind: str) -> str | None:
-    """The engine's first scheme of this kind that serves the interaction; None without one."""
+    """Name of the first scheme of this kind with which the engine (or its class) runs the interaction; None: none."""
     for name, claims in engine.schemes.items():
         if claims.kind == kind and any(one.interaction == interaction for one in _offered(engine, name, claims)):
             return str(name)

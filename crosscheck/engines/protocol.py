@@ -1,8 +1,8 @@
 """What an engine is: a small protocol, and the `Run` that it returns.
 
 To add one: a class with these members, named by an entry point of group `crosscheck.engines` or by
-`--engine path.py:Class`. Import heavy packages inside the methods: the class itself is also looked at, for `name`,
-`schemes` and `capabilities`, by the process that judges. See `docs/engines.md` and `examples/`.
+`--engine path.py:Class`. Import heavy packages inside the methods: the suite's own process imports the class too, to
+read `name`, `schemes` and `capabilities`. See `docs/engines.md` and `examples/`.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ Kind = Literal["stepping", "event_driven", "collision_search", "lattice"]
 
 @dataclass(frozen=True)
 class Claims:
-    """What an engine says of one of its schemes.
+    """What an engine claims of one of its schemes; the checks hold it to that.
 
-    order, order_damped: global orders of the error (position, velocity) for f(r) and for f(r, v); None: no fixed order
-    (adaptive), or velocity-dependent forces not supported. symplectic, reversible: of the map from the initial to the
-    final (r, v); None: nothing is claimed, and nothing is checked. kind: see `Kind`; checks choose schemes by it,
-    whatever their names.
+    order, order_damped: orders (position, velocity) of the global error, the powers of dt, for forces f(r) and f(r, v);
+    None: no fixed order (an adaptive step), or forces f(r, v) are not supported. symplectic, reversible: whether the
+    map from the initial to the final (r, v) is; None: nothing is claimed, and nothing is checked. kind: see `Kind`;
+    checks choose schemes by it, not by their names.
     """
 
     order: tuple[int, int] | None = None
@@ -44,13 +44,18 @@ class Claims:
 
     @property
     def takes_dt(self) -> bool:
-        """The scheme takes time steps whose length is the method's choice."""
+        """Whether the scheme takes time steps of the length `method.dt`."""
         return self.kind in ("stepping", "collision_search")
 
 
 @dataclass
 class Cost:
-    """Of one run. wall, cpu, compile: seconds (compile apart); evaluations: of the force; events: all kinds."""
+    """What a run cost.
+
+    wall, cpu: elapsed and processor time of the integration alone, s. compile: elapsed time of compilation and set-up,
+    s. steps: number of time steps. evaluations: number of evaluations of all forces. peak_bytes: largest memory of the
+    worker process so far, bytes. events: number of events of all kinds.
+    """
 
     wall: float = 0.0
     cpu: float = 0.0
@@ -65,10 +70,11 @@ class Run(dict[str, Floats]):
     """What an engine returns: arrays by the names of the table of observables, `run["kinetic_energy"]`.
 
     It holds what the scene asks for (`Scene.asked`), with the shapes of `shapes`. Sample 0 is the start; after a
-    divergence or an early end, samples are NaN.
+    divergence or an early end, samples are NaN. KeyError for an observable that the scene did not ask for.
 
-    diverged: the run met a state that is not finite, or lost particles, and stopped there. stopped: why the run ended
-    before its time (inelastic collapse), or ""; the final state is that of the moment. cost: always there.
+    arrays, named: the arrays, as one mapping or as keyword arguments, in the units of the scene. diverged: the run met
+    a state that is not finite, or lost particles, and stopped there. stopped: why the run ended before its time
+    (inelastic collapse), or ""; the final state is then that at its end. cost: None: all zero.
     """
 
     def __init__(
@@ -92,10 +98,11 @@ class Run(dict[str, Floats]):
 
 @runtime_checkable
 class Engine(Protocol):
-    """WHO simulates. `name`, `schemes` and `capabilities` are class attributes; the methods run in a worker process.
+    """A program that simulates. Its attributes are those of the class; its methods run in a worker process.
 
-    What no capability declares is refused by the suite, before the engine sees it; `supports` refuses what declarations
-    cannot say.
+    name: a short name. schemes: name of each scheme -> what it claims. capabilities: the scenes that it can run. The
+    suite refuses scenes that no capability covers, before they reach the engine; `supports` refuses those that the
+    declarations cannot tell apart. An engine may also have `promises`, see `crosscheck.engines.capabilities.Needs`.
     """
 
     name: str
@@ -103,18 +110,26 @@ class Engine(Protocol):
     capabilities: tuple[Capability, ...]
 
     def version(self) -> str:
-        """Version of the engine; raises ImportError or OSError, with the reason, where it cannot run."""
+        """Version of the engine. ImportError or OSError, with the reason, where it cannot run on this machine."""
 
     def supports(self, scene: Scene, method: Method) -> str | None:
-        """None, or the reason why this scene, made of declared parts, still cannot be run with this method."""
+        """None, or why the engine cannot run this scene with this method although it declares all of their words.
+
+        scene: what to simulate. method: scheme and time step.
+        """
 
     def run(self, scene: Scene, method: Method) -> Run:
-        """Runs the scene from its initial state for its duration."""
+        """Runs the scene from its initial state for its duration.
+
+        scene: what to simulate, and what to record; `supports` has accepted it. method: the scheme, one of `schemes`;
+        `dt`, in units of time, is given if and only if the scheme takes time steps. Any exception is an error of the
+        engine; a run that diverges is not: see `Run`.
+        """
 
 
 @contextmanager
 def timed(cost: Cost) -> Iterator[None]:
-    """Adds the block's wall and CPU seconds to `cost`, and notes the process's peak memory."""
+    """Adds wall and CPU time, s, of the `with` block to `cost`, and sets its peak memory to that of the process."""
     wall, cpu = time.perf_counter(), time.process_time()
     yield
     cost.wall += time.perf_counter() - wall
@@ -123,15 +138,19 @@ def timed(cost: Cost) -> Iterator[None]:
 
 
 def strides(scene: Scene, method: Method) -> tuple[int, int]:
-    """Steps of a run with time steps, and steps between its samples."""
+    """Number of steps of a run, and number of steps from one sample to the next.
+
+    scene: gives duration and output interval. method: gives dt. UsageError if dt is missing, or does not divide both.
+    """
     steps = scene.steps(method.step)
     return steps, scene.every(method.step) or max(steps, 1)
 
 
 def sample_times(scene: Scene, method: Method) -> Floats:
-    """Times of the samples, from whole numbers of steps: the start and every `output.interval`; or start and end.
+    """Times (samples,) of the samples of a run of `scene`, in units of time.
 
-    Of a method without a step, `Scene.samples`.
+    The start and every `output.interval`, as whole multiples of `method.dt`; without an interval, start and end. For a
+    method without dt, `Scene.samples`. UsageError if dt does not divide duration and interval.
     """
     if method.dt is None:
         return scene.samples()
@@ -140,13 +159,16 @@ def sample_times(scene: Scene, method: Method) -> Floats:
 
 
 def face_names(scene: Scene) -> tuple[str, ...]:
-    """Faces in the order of the wall tallies: x-, x+, y-, y+ ..., and the cylinder last, if there is one."""
+    """Names of the faces of `scene` in the order of the observables `wall_...`: x-, x+, y-, y+ ..., last the cylinder.
+
+    "cylinder" is there only if the scene has one.
+    """
     plane = tuple(f"{axis}{side}" for axis in AXES[: scene.dimension] for side in "-+")
     return (*plane, "cylinder") if scene.across else plane
 
 
 def shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
-    """Shapes of the arrays that a run of this scene returns, by name; samples: their number."""
+    """Shapes, by name, of the arrays that a run of `scene` returns. samples: their number, the start included."""
     gas, cells = scene.lattice_gas, scene.output.fields
     sizes: dict[str, tuple[int, ...]] = {
         "sample": (samples,),

@@ -21,22 +21,26 @@ def engine_names() -> list[str]:
 
 @cache
 def _installed() -> dict[str, EntryPoint]:
-    """The entry points of engines, by name; looked up once: that reads the metadata of all installed packages."""
+    """The entry points of engines, by name; cached, since this reads the metadata of all installed packages."""
     return {point.name: point for point in entry_points(group=GROUP)}
 
 
 def shipped_engines() -> list[str]:
-    """Names of the engines that come with the suite, in that order."""
+    """Names of the engines that come with the suite, in the order of `engine_names`."""
     return [name for name in engine_names() if _installed()[name].value.startswith("crosscheck.")]
 
 
 def engine_order(name: str) -> tuple[bool, str]:
-    """Sorts names of engines: the reference implementation first."""
+    """Key by which engines are sorted: the reference implementation first. name: of an engine."""
     return name != "refimpl", name
 
 
 def engine_class(name: str) -> type[Engine]:
-    """The class of an installed engine or of `path.py:Class`; UsageError if there is none."""
+    """The class of an engine.
+
+    name: of an installed engine, or `path.py:Class`. UsageError if there is no such engine, or if the file cannot be
+    imported, has no such class, or the class lacks a member of `Engine`.
+    """
     if ".py:" in name:
         return _from_file(name)
     if name in _installed():
@@ -46,7 +50,7 @@ def engine_class(name: str) -> type[Engine]:
 
 
 def load_engine(name: str) -> Engine:
-    """An engine, ready to run."""
+    """An instance of the engine. name, UsageError: as in `engine_class`."""
     return engine_class(name)()
 
 

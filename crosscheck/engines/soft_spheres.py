@@ -12,14 +12,15 @@ surfaces there is a force up to mu |F_n|, and below it
     "dashpot"   F_t = -c_t sqrt(m_eff k) u,                 c_t = -q/(1 + q) ln(alpha_t)/sqrt(pi^2 + ln^2 alpha).
 
 A contact that sticks throughout (mu = infinity) then ends with u' = alpha_t u: the tangential mass is m_eff q/(1 + q),
-I = q m R^2, the stretch turns through arccos(alpha_t) and the dashpot slows by alpha_t in t_c. With a limit mu the law
-is nobody's hard rule, not even for t_c -> 0: F_n passes zero before the end and attracts afterwards, so that every
-contact slides for a while, and the limit takes |F_n|, so that a contact that slides throughout has J_t = mu int |F_n|,
-a little more than mu J_n. `crosscheck.references.soft_impact` has the outcome in closed form or to rounding, and its
-distance from Walton's rule: 0 for alpha = 1 and alpha_t = -1 ("history"), else largest where sticking ends.
+I = q m R^2; within t_c the stretch goes through the phase arccos(alpha_t) of its oscillation, or the dashpot reduces u
+by the factor alpha_t. With a finite limit mu the law does not tend to a collision rule of hard spheres, not even for
+t_c -> 0: F_n passes zero before the end and attracts afterwards, so that every contact slides for a while; and the
+limit is mu |F_n|, so that a contact that slides throughout has J_t = mu int |F_n| dt, a little more than mu J_n.
+`crosscheck.references.soft_impact` has the outcome in closed form or to rounding, and its distance from Walton's rule:
+0 for alpha = 1 and alpha_t = -1 ("history"), else largest where sticking ends.
 
 "hertz": F_n = k sqrt(R_eff delta) delta - eta_n v_n with eta_n = c sqrt(m_eff k) (R_eff delta)^(1/4) and
-c = sqrt(5) |ln alpha|/sqrt(pi^2 + ln^2 alpha), which too gives an alpha that does not depend on the speed.
+c = sqrt(5) |ln alpha|/sqrt(pi^2 + ln^2 alpha), with which alpha does not depend on the speed either.
 
 Literature: P. A. Cundall and O. D. L. Strack, Geotechnique 29, 47 (1979); Y. Tsuji, T. Tanaka and T. Ishida, Powder
 Technol. 71, 239 (1992); J. Schaefer, S. Dippel and D. E. Wolf, J. Phys. I France 6, 5 (1996); D. Antypov and J. A.
@@ -37,8 +38,12 @@ from crosscheck.errors import UsageError
 from crosscheck.scene import Contact, Friction, Method, Scene
 
 
-class Law(NamedTuple):
-    """Numbers of one kind of contact, as in the module's equations: k, c, k_t, c_t, mu (infinity: no limit)."""
+class ContactLaw(NamedTuple):
+    """Parameters of one kind of contact, in the equations of this module.
+
+    stiffness: k, mass/time^2 ("hertz": mass/(length time^2)). damping: c, a number. tangential_stiffness: k_t,
+    mass/time^2. tangential_damping: c_t, a number. friction: mu, a number; infinity: no limit.
+    """
 
     stiffness: float
     damping: float
@@ -48,30 +53,37 @@ class Law(NamedTuple):
 
 
 class SoftSpheres(NamedTuple):
-    """Laws of pairs, of the plane walls (None: no wall) in the order of `Scene.faces`, and of the cylinder."""
+    """The contact laws of a scene.
 
-    pair: Law
-    faces: tuple[Law | None, ...]
-    cylinder: Law | None
+    pair: of two particles. faces: of the plane walls, in the order of `Scene.faces`; None: no wall. cylinder: of the
+    cylinder; None: there is none.
+    """
+
+    pair: ContactLaw
+    faces: tuple[ContactLaw | None, ...]
+    cylinder: ContactLaw | None
 
 
 def soft_spheres(scene: Scene, contact: Contact) -> SoftSpheres:
-    """The contact laws of a scene of hard spheres that `unsupported` accepts. The stiffness is the same everywhere."""
+    """The contact laws of a scene of hard spheres that `unsupported` accepts; all have the same stiffness.
+
+    scene: gives restitutions, friction, masses and walls. contact: gives the law, and stiffness or duration.
+    """
     spheres = scene.hard_spheres
     assert spheres is not None
     stiffness, inertia = contact_stiffness(scene, contact), inertia_ratio(scene)
 
-    def law(restitution: float, friction: Friction | None) -> Law:
+    def law(restitution: float, friction: Friction | None) -> ContactLaw:
         log = math.log(restitution)
         decay = math.pi**2 + log**2
         damping = (2.0 if contact.law == "hooke" else math.sqrt(5.0)) * abs(log) / math.sqrt(decay)
         if friction is None or friction.tangential_restitution == 1:
-            return Law(stiffness, damping)
+            return ContactLaw(stiffness, damping)
         limit = math.inf if friction.sliding is None else friction.sliding
         share, alpha_t = inertia / (1 + inertia), friction.tangential_restitution
         if contact.friction == "history":
-            return Law(stiffness, damping, stiffness * share * math.acos(alpha_t) ** 2 / decay, 0.0, limit)
-        return Law(stiffness, damping, 0.0, -share * math.log(alpha_t) / math.sqrt(decay), limit)
+            return ContactLaw(stiffness, damping, stiffness * share * math.acos(alpha_t) ** 2 / decay, 0.0, limit)
+        return ContactLaw(stiffness, damping, 0.0, -share * math.log(alpha_t) / math.sqrt(decay), limit)
 
     cylinder = None if scene.box is None else scene.box.cylinder
     return SoftSpheres(
@@ -82,30 +94,36 @@ def soft_spheres(scene: Scene, contact: Contact) -> SoftSpheres:
 
 
 def contact_stiffness(scene: Scene, contact: Contact) -> float:
-    """k of a contact."""
+    """Stiffness k of all contacts, mass/time^2 ("hertz": mass/(length time^2)).
+
+    contact: gives it, or the duration from which it follows. scene: gives smallest mass and restitution for that.
+    """
     if contact.stiffness is not None:
         return contact.stiffness
     assert contact.duration is not None
-    return _duration_times_root(scene) ** 2 / contact.duration**2
+    return _duration_times_root_stiffness(scene) ** 2 / contact.duration**2
 
 
 def contact_duration(scene: Scene, contact: Contact) -> float:
-    """t_c of two grains of the smallest mass, of "hooke"."""
+    """Duration t_c of a contact of two particles of the smallest mass, in units of time; for the law "hooke".
+
+    contact: gives it, or the stiffness from which it follows. scene: gives smallest mass and restitution for that.
+    """
     if contact.duration is not None:
         return contact.duration
     assert contact.stiffness is not None
-    return _duration_times_root(scene) / math.sqrt(contact.stiffness)
+    return _duration_times_root_stiffness(scene) / math.sqrt(contact.stiffness)
 
 
-def _duration_times_root(scene: Scene) -> float:
-    """t_c sqrt(k) of two grains of the smallest mass."""
+def _duration_times_root_stiffness(scene: Scene) -> float:
+    """t_c sqrt(k) of two particles of the smallest mass: sqrt((pi^2 + ln^2 alpha) m/2)."""
     assert scene.hard_spheres is not None
     decay = math.pi**2 + math.log(scene.hard_spheres.restitution) ** 2
     return math.sqrt(decay * float(np.min(scene.masses)) / 2)
 
 
 def inertia_ratio(scene: Scene) -> float:
-    """q in I = q m R^2: the scene's, or that of a solid sphere or disk."""
+    """q in the moment of inertia I = q m R^2: that of `scene`, or by default that of a solid sphere or disk."""
     friction = None if scene.hard_spheres is None else scene.hard_spheres.friction
     if friction is not None and friction.inertia is not None:
         return friction.inertia
@@ -113,9 +131,11 @@ def inertia_ratio(scene: Scene) -> float:
 
 
 def resolved(scene: Scene, method: Method) -> Method:
-    """The method with its time step: of `contact.resolution`, the largest up to it that divides the samples' interval.
+    """The method with `dt` in place of `contact.resolution`; other methods are returned as they are.
 
-    Raises UsageError if the scene has no hard spheres, or these never separate.
+    dt is the largest step up to resolution * t_c that divides the time between samples (or the duration, if there are
+    none). scene: gives t_c and that time. method: as the user wrote it. UsageError if there is a contact but the scene
+    has no hard spheres, or if their restitution is 0, for which t_c is infinite.
     """
     contact = method.contact
     if contact is None:
@@ -130,7 +150,7 @@ def resolved(scene: Scene, method: Method) -> Method:
     span = scene.output.interval if records else scene.duration
     assert span is not None
     steps = max(1, math.ceil(span / (contact.resolution * contact_duration(scene, contact)) * (1 - 1e-12)))
-    # by hand: a copy would not be validated, and both entries together are refused
+    # a new method, not a copy with both entries changed: copies are not validated
     return Method(
         scheme=method.scheme,
         dt=span / steps if span > 0 else contact_duration(scene, contact),
@@ -139,18 +159,18 @@ def resolved(scene: Scene, method: Method) -> Method:
 
 
 def unsupported(scene: Scene, method: Method) -> str | None:
-    """None, or the reason why the hard spheres of a scene cannot be softened with this contact."""
+    """None, or the reason why the hard spheres of `scene` have no soft contact law as `method.contact` asks for it."""
     spheres, contact = scene.hard_spheres, method.contact
     assert spheres is not None
     if contact is None:
-        return "hard spheres need an event-driven scheme, or method.contact, which says how soft they may be"
+        return "hard spheres need an event-driven scheme, or method.contact, a contact law for soft spheres"
     restitutions = [spheres.restitution, *(face.restitution for face in scene.faces if face is not None)]
     frictions: list[Friction | None] = [spheres.friction, *(face.friction for face in scene.faces if face is not None)]
     if scene.box is not None and scene.box.cylinder is not None:
         restitutions.append(scene.box.cylinder.restitution)
         frictions.append(scene.box.cylinder.friction)
     if 0.0 in restitutions:
-        return "a spring with a dashpot never stops the grains for good: restitution 0 needs an event-driven scheme"
+        return "no spring with a dashpot gives a restitution of 0: restitution 0 needs an event-driven scheme"
     if 0.0 in np.atleast_1d(spheres.diameter):
         return "soft spheres have no hard_spheres.diameter = 0"
     for friction in filter(None, frictions):
@@ -159,5 +179,5 @@ def unsupported(scene: Scene, method: Method) -> str | None:
         if contact.law == "hertz" and friction.tangential_restitution != 1:
             return 'contact.law = "hertz" has no closed form for a tangential restitution: take "hooke"'
         if contact.friction == "dashpot" and friction.tangential_restitution <= 0:
-            return 'contact.friction = "dashpot" never turns the slip round: tangential_restitution must be above 0'
+            return 'contact.friction = "dashpot" cannot reverse the slip: tangential_restitution must be above 0'
     return None

@@ -1,4 +1,4 @@
-"""What is known: closed forms and published values, each with its source."""
+"""Closed forms and published values, each with its source."""
 
 import numpy as np
 

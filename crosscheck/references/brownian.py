@@ -20,15 +20,20 @@ Floats = NDArray[np.float64]
 
 
 def brownian_autocorrelation(time: ArrayLike, gamma: float, temperature: float, tracer_mass: float) -> Floats:
-    """<v_x(0) v_x(t)> = (T/M) exp(-gamma t), Ornstein and Uhlenbeck; M >> m. D = T/(M gamma)."""
+    """<v_x(0) v_x(t)> = (T/M) exp(-gamma t), Ornstein and Uhlenbeck; M >> m. D = T/(M gamma).
+
+    time: t, any shape. gamma: decay rate, 1/time. temperature: T, energy. tracer_mass: M. Any consistent units; gives a
+    velocity squared, of the shape of time.
+    """
     return np.asarray(temperature / tracer_mass * np.exp(-gamma * np.asarray(time, dtype=np.float64)))
 
 
 class Tracers(NamedTuple):
     """Enskog's theory of several tracers in a finite bath, total momentum zero; T = 1.
 
-    gamma: decay rate with the bath; between: with the other tracers. share: of the tracers in the total mass. number,
-    mass: of the tracers. doubt: relative, of the initial decay, from g at contact.
+    gamma: decay rate with the bath, and between: with the other tracers, 1/time. share: of the tracers in the total
+    mass. number: of tracers. mass: of one of them, M, in masses of a particle of the bath. doubt: relative uncertainty
+    of the initial decay, from g at contact.
     """
 
     gamma: float
@@ -44,10 +49,10 @@ class Tracers(NamedTuple):
         return (1 - self.share / self.number) / self.mass
 
     def autocorrelation(self, time: Floats) -> Floats:
-        """C(t) = <v_x(0) v_x(t)> by modes, of the shape of time.
+        """C(t) = <v_x(0) v_x(t)> by modes, a velocity squared of the shape of time.
 
         The tracers' common velocity drags the bath along, its differences do not. Momentum spreads over the box at
-        once; the common mode decays with gamma M_total/(bath's mass).
+        once; the common mode decays with gamma M_total/(bath's mass). time: t, any shape, in the units of 1/gamma.
         """
         bath = 1 - self.share
         apart = (self.number - 1) / self.number * np.exp(-(self.gamma + self.between) * time)
@@ -59,6 +64,10 @@ def tracers_in_bath(density: float, particles: int, tracers: int, size: float, m
 
     gamma is `transport.friction` with g of the mixture at contact; `between` the same among tracers. The doubt is 1 %
     of g - 1 with the bath, and 5 % of g among tracers.
+
+    density: of the particles of the bath, per length^d in their diameters. particles, tracers: numbers. size: in
+    diameters, mass: in masses of a particle of the bath. dimension: 2 or 3, else ValueError. From Chapman and Cowling's
+    theory.
     """
     tracer_density = density * tracers / particles
     species = mixture([density, tracer_density], [1.0, size], [1.0, mass])
@@ -75,5 +84,7 @@ def returned_share(rate: float, time: float) -> float:
 
     rate: collisions of one particle of the bath with others of it, per time. Of those that have met the tracer, rate
     time/2 have met another since, on average; about a third of those come back to it, with half the momentum.
+
+    time: in the units of 1/rate; short, rate time well below 1.
     """
     return rate * time / 12

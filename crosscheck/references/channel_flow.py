@@ -15,6 +15,8 @@ def forced_profile(force: ArrayLike, spacing: float) -> tuple[NDArray[np.float64
     force: F (places,), per volume, at places `spacing` apart, of which the first is a wall. Returns G (places,), and
     the sum of F over the channel, F H of a uniform force, of which each wall takes half. The second differences of G
     are -F: exact for a uniform force, G = F y (H - y)/2, else to O(spacing^2).
+
+    spacing: length. Any consistent units.
     """
     given = np.asarray(force, dtype=np.float64)
     y = np.arange(given.size) * spacing

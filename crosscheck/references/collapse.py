@@ -27,12 +27,17 @@ def wall_collapse(number: int) -> float:
     Bernu and Mazighi (1990). The wall has the particles' restitution: it stands for the mirror image of the N, and 2 N
     free particles have the same limit (3, put for 2 N, gives 7 - 4 sqrt 3). One particle never collapses: 0. From
     memory of the literature, checked for N = 2 ... 5 against the eigenvalues of waves of collisions.
+
+    number: N, of particles, 1 or more.
     """
     return float(np.tan(np.pi / 4 * (1 - 1 / number)) ** 2)
 
 
 class BouncingBall(NamedTuple):
-    """A ball dropped from `height` on a floor at rest at time 0, with restitution alpha < 1; a point."""
+    """A ball dropped from `height` on a floor at rest at time 0, with restitution alpha < 1; a point.
+
+    height: h of its start, a length. alpha: 0 to below 1. gravity: g, length/time^2; any consistent units.
+    """
 
     height: float
     alpha: float
@@ -54,11 +59,17 @@ class BouncingBall(NamedTuple):
         return self.height * (1 + self.alpha**2) / (1 - self.alpha**2)
 
     def apex(self, bounce: int) -> float:
-        """Height after the given number of impacts, h alpha^(2 k)."""
+        """Height after the given number of impacts, h alpha^(2 k).
+
+        bounce: k, the number of impacts, 0 or more. A length.
+        """
         return self.height * self.alpha ** (2 * bounce)
 
     def impact_time(self, bounce: int) -> float:
-        """Time of impact 1, 2, ...: fall (1 + 2 (alpha + ... + alpha^(k-1)))."""
+        """Time of impact 1, 2, ...: fall (1 + 2 (alpha + ... + alpha^(k-1))).
+
+        bounce: k, from 1. A time from the start of the fall.
+        """
         a = self.alpha
         return self.fall * (1 + 2 * a * (1 - a ** (bounce - 1)) / (1 - a))
 
@@ -66,8 +77,9 @@ class BouncingBall(NamedTuple):
 class LineCollisions(NamedTuple):
     """The collisions of particles on a line, up to the last or to the collapse.
 
-    pairs, wall: numbers of collisions of pairs and with the wall. times: of all of them, in order. gaps: the largest
-    gap between neighbours that approach, after each of them. collapsed: whether they go on for ever.
+    pairs, wall: numbers of collisions of pairs and with the wall. times: of all of them, (collisions,), in order, in
+    the unit of gap over velocity. gaps: the largest gap between neighbours that approach, after each of them,
+    (collisions,), length. collapsed: whether they go on for ever.
     """
 
     pairs: int
@@ -85,6 +97,8 @@ def line_collisions(gaps: ArrayLike, velocities: ArrayLike, alpha: float, wall: 
 
     gaps: between neighbours, (N - 1,), any unit of length; with `wall`, (N,), first that between the wall at rest, of
     the same restitution, and the first particle. velocities: (N,), positive away from the wall. alpha: of all impacts.
+
+    wall: whether there is one. Times are in units of gap over velocity.
     """
     real = np.longdouble
     gap, half = np.array(gaps, dtype=real), (1 + real(alpha)) / 2

@@ -24,7 +24,7 @@ def enskog_conductivity(density: float, temperature: float, dimension: int) -> E
     3/2, c_2 = 0.8718 (Gass 1971); spheres: 1.02513 (75/64) sqrt(T/pi), 6/5, 0.7574 (Chapman and Cowling). Uncertain by
     3 % and 2 %: what correlated collisions change at these densities (Alder, Gass and Wainwright 1970; Garcia-Rojo,
     Luding and Brey 2006). density: number per area or volume, of a fluid. temperature: in units of energy. dimension:
-    2 or 3.
+    2 or 3, else ValueError.
     """
     g = contact_value(packing_fraction(density, dimension), dimension).value
     bn = math.pi / 2 * density if dimension == 2 else 2 * math.pi / 3 * density
@@ -43,6 +43,8 @@ def fourier_profile(
 
     places: (cells,), ascending. density, temperature: (cells,), between which n and T are taken linear; at x = `middle`
     the result is T. flux: q, energy per time and area (of disks: length). dimension: 2 or 3. Gives x and T, (401,).
+
+    middle: a place, within `places`, length.
     """
     x, n, t = (np.asarray(values, dtype=np.float64) for values in (places, density, temperature))
     fine = np.linspace(x[0], x[-1], 401)

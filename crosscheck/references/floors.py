@@ -23,12 +23,18 @@ Law = Literal["uniform", "flux"]
 
 
 def rebound(u: ArrayLike, plate: ArrayLike, restitution: float = 1.0) -> Floats:
-    """v' = (1 + e) V + e u, positive upwards; 2 V + u on an elastic plate. It may be negative where V < 0."""
+    """v' = (1 + e) V + e u, positive upwards; 2 V + u on an elastic plate. It may be negative where V < 0.
+
+    u: speed downwards, plate: V, of shapes that broadcast, one unit of velocity. restitution: e, 0 to 1.
+    """
     return np.asarray((1 + restitution) * np.asarray(plate) + restitution * np.asarray(u), dtype=np.float64)
 
 
 def uniform_phase_density(plate: ArrayLike, amplitude: float) -> Floats:
-    """p(V) = 1/(pi sqrt(V0^2 - V^2)) for |V| < V0: a plate seen at a time drawn at random, whatever u."""
+    """p(V) = 1/(pi sqrt(V0^2 - V^2)) for |V| < V0: a plate seen at a time drawn at random, whatever u.
+
+    plate: V, any shape, and amplitude: V0, in one unit of velocity. Gives 1/velocity, 0 for |V| >= V0.
+    """
     x = np.asarray(plate, dtype=np.float64) / amplitude
     inside = abs(x) < 1
     return np.where(inside, 1 / (np.pi * amplitude * np.sqrt(np.where(inside, 1 - x * x, 1.0))), 0.0)
@@ -38,16 +44,21 @@ def flux_phase_density(plate: ArrayLike, u: float, amplitude: float) -> Floats:
     """p(V) proportional to (u + V)_+ / sqrt(V0^2 - V^2): phases weighted with the relative speed of approach.
 
     For u >= V0 the law of a vibrating plate's first impact in the limit: the path of each particle crosses the plate's
-    once, and crossings are as dense as the relative speed. For u < V0 the path may cross more than once, and the first
-    crossing shadows the others. A particle that leaves slowly is hit again: one visit is one impact for u >= 3 V0 only.
+    once, and crossings are as dense as the relative speed. For u < V0 the path may cross more than once, of which only
+    the first is an impact. A particle that leaves slowly is hit again: one visit is one impact for u >= 3 V0 only.
     `visit_gain` has the visit as a whole.
+
+    plate: V, any shape; u: speed of approach; amplitude: V0; in one unit of velocity. Gives 1/velocity.
     """
     v = np.asarray(plate, dtype=np.float64)
     return uniform_phase_density(v, amplitude) * np.maximum(u + v, 0.0) / flux_mean_approach(u, amplitude)
 
 
 def flux_mean_approach(u: float, amplitude: float) -> float:
-    """<(u + V)_+> over uniform phases: u for u >= V0, else (u (pi - acos(u/V0)) + sqrt(V0^2 - u^2))/pi."""
+    """<(u + V)_+> over uniform phases: u for u >= V0, else (u (pi - acos(u/V0)) + sqrt(V0^2 - u^2))/pi.
+
+    u: speed of approach, and amplitude: V0, in one unit of velocity.
+    """
     if u >= amplitude:
         return u
     return float((u * (np.pi - np.arccos(u / amplitude)) + (amplitude**2 - u**2) ** 0.5) / np.pi)
@@ -57,6 +68,8 @@ def uniform_phase_gain(u: float, amplitude: float, restitution: float = 1.0) -> 
     """Mean energy gained at an impact under `uniform_phase_density`, V0^2 for e = 1.
 
     ((1 + e)^2 V0^2/2 - (1 - e^2) u^2)/2, for all u; it counts impacts with V < -u, which no plate makes.
+
+    u: speed of approach, and amplitude: V0, in one unit of velocity. restitution: e. Gives energy per mass.
     """
     return 0.5 * ((1 + restitution) ** 2 * amplitude**2 / 2 - (1 - restitution**2) * u**2)
 
@@ -66,6 +79,8 @@ def flux_phase_gain(u: float, amplitude: float, restitution: float = 1.0) -> flo
 
     For u >= V0, where <V> = V0^2/2u and <V^2> = V0^2/2: ((1 + e)^2 V0^2/2 + 2 e (1 + e) V0^2/2 - (1 - e^2) u^2)/2.
     Below V0 by quadrature over the phase, to 1e-10.
+
+    u: speed of approach, and amplitude: V0, in one unit of velocity. restitution: e. Gives energy per mass.
     """
     e = restitution
     if u >= amplitude:
@@ -89,6 +104,9 @@ def visit_gain(u: float, restitution: float = 1.0, phases: int = 4000) -> Estima
     Mean over equally spaced phases. Elastic: 1.667, 2.060, 2.087, 2.140, 2.134, 2 for u = 0.25, 0.5, 1, 1.5, 2, 3,
     where `flux_phase_gain` has 1.575, 1.774 and then 2, and a uniform phase 1. The gain has jumps as a function of the
     phase, each of at most 2 (1 + u) and off by one phase: the uncertainty is that of four of them.
+
+    u: speed of approach, in units of V0. restitution: e, 0 to 1. phases: how many. Energy per mass, in units of V0^2.
+    RuntimeError as `plate_visit`.
     """
     gains = [
         0.5 * (plate_visit(u, phase, restitution).velocity ** 2 - u * u)
@@ -98,7 +116,10 @@ def visit_gain(u: float, restitution: float = 1.0, phases: int = 4000) -> Estima
 
 
 def sawtooth_gain(u: float, amplitude: float, restitution: float = 1.0) -> float:
-    """Energy gained on a plate that always moves up with V0: 2 V0 (V0 + u) for e = 1."""
+    """Energy gained on a plate that always moves up with V0, ((1 + e) V0 + e u)^2/2 - u^2/2: 2 V0 (V0 + u) for e = 1.
+
+    u: speed of approach, and amplitude: V0, in one unit of velocity. restitution: e. Gives energy per mass.
+    """
     return float(0.5 * (rebound(u, amplitude, restitution) ** 2 - u * u))
 
 
@@ -117,6 +138,9 @@ def plate_impact_time(
     length go up to the first root from below, cannot pass it, and are Newton's at the end (linear at a grazing hit). A
     particle that leaves the plate starts with F = 0, F' > 0. Infinity if the gap is still open after `horizon`.
     ValueError if the particle starts below the plate, or on it with F' <= 0.
+
+    height: of the particle at `time`, length. velocity: positive upwards. amplitude: A, length. omega: radians per
+    time. gravity: g, length/time^2. horizon: time after `time`. Any consistent units.
     """
     real = np.longdouble
     h, v, t0, a, w, g = (real(x) for x in (height, velocity, time, amplitude, omega, gravity))
@@ -151,7 +175,11 @@ def _falling(f: np.longdouble, slope: np.longdouble, bound: np.longdouble) -> np
 
 
 class Visit(NamedTuple):
-    """Plate velocity at the first impact, velocity on leaving, and the number of impacts of one visit to the plate."""
+    """Plate velocity at the first impact, velocity on leaving, and the number of impacts of one visit to the plate.
+
+    plate: V at the first impact, and velocity: of the particle that leaves, positive upwards, in units of V0. impacts:
+    their number.
+    """
 
     plate: float
     velocity: float
@@ -165,6 +193,8 @@ def plate_visit(u: float, phase: float, restitution: float = 1.0, most: int = 10
     velocity -u, u > 0, when the plate z = cos t has the phase `phase`; for a phase uniform in [0, 2 pi) this is the law
     that finite amplitudes converge to. It ends when the particle is above z = 1 and rises. RuntimeError after `most`
     impacts (restitution < 1 lets a particle settle on the plate).
+
+    u: speed of approach, in units of V0. phase: radians. restitution: e, 0 to 1. most: impacts.
     """
     height, velocity, time = 2.0, -u, phase
     first = np.nan
@@ -182,7 +212,10 @@ def plate_visit(u: float, phase: float, restitution: float = 1.0, most: int = 10
 
 
 class Flight(NamedTuple):
-    """Height and velocity after an interval, and the number of impacts in it."""
+    """Height and velocity after an interval, and the number of impacts in it.
+
+    height: length. velocity: positive upwards, length/time. impacts: their number.
+    """
 
     height: float
     velocity: float
@@ -194,8 +227,9 @@ def flight(
 ) -> Flight:
     """An elastic ball above the floor A cos(omega t), from impact to impact, by `plate_impact_time`.
 
-    height, velocity: of the ball at `time`, above the floor or leaving it. span: length of the interval. amplitude: A;
-    omega: 2 pi times the frequency. ValueError if the ball starts below the floor.
+    height, velocity: of the ball at `time`, above the floor or leaving it, length and length/time. span: length of the
+    interval, time. amplitude: A, length; omega: 2 pi times the frequency, 1/time. gravity: g, length/time^2. Any
+    consistent units. ValueError if the ball starts below the floor.
     """
     end, impacts = time + span, 0
     while True:

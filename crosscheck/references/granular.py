@@ -29,9 +29,10 @@ Floats = NDArray[np.float64]
 
 
 class Body(NamedTuple):
-    """Mass, radius, velocity (3,), angular velocity (3,) and q = I/(m R^2); a disk moves in the plane z = 0.
+    """A disk, which moves in the plane z = 0, a sphere, or a wall.
 
-    Mass infinity: a wall, which moves as it likes; its radius is 0.
+    mass: m; infinite: a wall, which keeps its velocity. radius: R, length; of a wall 0. velocity: (3,), length/time.
+    spin: angular velocity (3,), 1/time. q: I/(m R^2). Any consistent units.
     """
 
     mass: float
@@ -42,11 +43,16 @@ class Body(NamedTuple):
 
     @property
     def inertia(self) -> float:
+        """Moment of inertia I = q m R^2."""
         return self.q * self.mass * self.radius**2
 
 
 class Impact(NamedTuple):
-    """Velocities and spins after an impact, the impulse on body 1, and whether the contact slid."""
+    """What an impact leaves behind.
+
+    velocities, spins: of bodies one and two after it, (3,) each, length/time and 1/time. impulse: on body one, (3,),
+    mass length/time. sliding: whether the contact slid.
+    """
 
     velocities: tuple[Floats, Floats]
     spins: tuple[Floats, Floats]
@@ -55,7 +61,10 @@ class Impact(NamedTuple):
 
 
 def contact_velocity(one: Body, two: Body, normal: Floats) -> Floats:
-    """v_1 - v_2 - (R_1 w_1 + R_2 w_2) x n: of the surfaces that touch, n from 2 to 1."""
+    """v_1 - v_2 - (R_1 w_1 + R_2 w_2) x n: of the surfaces that touch, n from 2 to 1.
+
+    one, two: the bodies. normal: unit vector n, (3,). Gives (3,), length/time.
+    """
     spin = one.radius * one.spin + two.radius * two.spin
     return np.asarray(one.velocity - two.velocity - np.cross(spin, normal))
 
@@ -74,6 +83,9 @@ def impact(
     Normal impulse J_n = (1 + alpha) mu |g_n|, mu the reduced mass. The sticking contact gives g'_t = alpha_t g_t, with
     tangential impulse m_t (1 - alpha_t) |g_t|, 1/m_t = 1/mu + R_1^2/I_1 + R_2^2/I_2. If that exceeds static_friction
     J_n, it is kinetic_friction J_n against the slip instead. ValueError if the bodies do not approach.
+
+    one, two: the bodies. normal: unit vector n, (3,), from two to one. alpha, alpha_t: normal and tangential
+    restitution. static_friction, kinetic_friction: coefficients of friction; infinity: no limit.
     """
     g = contact_velocity(one, two, normal)
     approach = float(g @ normal)
@@ -102,7 +114,8 @@ def impact(
 def sliding_limit(alpha: float, alpha_t: float, static_friction: float, q: float) -> float:
     """|g_t|/|g_n| above which like bodies slide: static_friction (1 + alpha) (1 + 1/q)/(1 - alpha_t).
 
-    Foerster's cot(gamma_0); 1 + 1/q = 7/2 for solid spheres, 3 for disks.
+    Foerster's cot(gamma_0); 1 + 1/q = 7/2 for solid spheres, 3 for disks. static_friction: a coefficient, the others as
+    at the top; alpha_t < 1.
     """
     return static_friction * (1 + alpha) * (1 + 1 / q) / (1 - alpha_t)
 
@@ -112,12 +125,18 @@ def sliding_slip(slip: ArrayLike, alpha: float, kinetic_friction: float, q: floa
 
     g'_t/|g_n| = g_t/|g_n| - kinetic_friction (1 + alpha) (1 + 1/q), along the slip before (Foerster et al. 1994); one
     that sticks has alpha_t g_t/|g_n|. slip: g_t/|g_n| before, any shape, above `sliding_limit`. q = I/(m R^2).
+
+    alpha: 0 to 1. kinetic_friction: a coefficient.
     """
     return np.asarray(np.asarray(slip, dtype=np.float64) - kinetic_friction * (1 + alpha) * (1 + 1 / q))
 
 
 def dissipated_energy(normal: ArrayLike, tangential: ArrayLike, alpha: float, alpha_t: float, q: float) -> Floats:
-    """Energy lost by like bodies of mass 1 that stick: ((1 - alpha^2) g_n^2 + (q/(1+q)) (1 - alpha_t^2) g_t^2)/4."""
+    """Energy lost by like bodies of mass 1 that stick: ((1 - alpha^2) g_n^2 + (q/(1+q)) (1 - alpha_t^2) g_t^2)/4.
+
+    normal, tangential: g_n and g_t before the impact, of shapes that broadcast, in one unit of velocity. Gives a
+    velocity squared (mass 1). alpha, alpha_t, q: as at the top. Derivation: the energy before less that after `impact`.
+    """
     n, t = np.asarray(normal, dtype=np.float64), np.asarray(tangential, dtype=np.float64)
     return np.asarray(0.25 * ((1 - alpha**2) * n**2 + q / (1 + q) * (1 - alpha_t**2) * t**2))
 
@@ -130,6 +149,8 @@ def fourth_cumulant(alpha: float, dimension: int) -> float:
 
     16 (1 - alpha) (1 - 2 alpha^2)/(9 + 24 d - (41 - 8 d) alpha + 30 (1 - alpha) alpha^2). `FOURTH_CUMULANTS` says how
     far it is off.
+
+    alpha: 0 to 1. dimension: 2 or 3.
     """
     d = dimension
     top = 16 * (1 - alpha) * (1 - 2 * alpha**2)
@@ -152,38 +173,60 @@ FOURTH_CUMULANTS = {
 
 
 def moment_ratio(a2: float, dimension: int) -> float:
-    """<v^4>/<v^2>^2 = (1 + 2/d) (1 + a_2)."""
+    """<v^4>/<v^2>^2 = (1 + 2/d) (1 + a_2).
+
+    a2: a_2 of `fourth_cumulant`. dimension: 2 or 3. Exact, by the definition of a_2.
+    """
     return (1 + 2 / dimension) * (1 + a2)
 
 
 def rate_factor(a2: float) -> float:
-    """Collision rate over that of a Maxwellian at the same temperature, 1 - a_2/16, linear in a_2; d = 2 and 3."""
+    """Collision rate over that of a Maxwellian at the same temperature, 1 - a_2/16, linear in a_2; d = 2 and 3.
+
+    a2: a_2, small against 1. By derivation from the first Sonine polynomial (van Noije and Ernst 1998).
+    """
     return 1 - a2 / 16
 
 
 def cooling_rate(alpha: float, dimension: int, collision_rate: float, a2: float = 0.0) -> float:
-    """zeta = -dln T/dt = (1 - alpha^2) w/d (1 + 3 a_2/16), w a particle's collision rate in a Maxwellian gas at T."""
+    """zeta = -dln T/dt = (1 - alpha^2) w/d (1 + 3 a_2/16), w a particle's collision rate in a Maxwellian gas at T.
+
+    alpha: 0 to 1. dimension: d, 2 or 3. collision_rate: w, 1/time. a2: a_2, to first order (van Noije and Ernst 1998).
+    Gives 1/time.
+    """
     return (1 - alpha**2) * collision_rate / dimension * (1 + 3 * a2 / 16)
 
 
 def haff(time: ArrayLike, temperature: float, rate: float) -> Floats:
-    """T(t) = T_0/(1 + zeta_0 t/2)^2; rate: zeta_0, the cooling rate at time 0. While the gas stays homogeneous."""
+    """T(t) = T_0/(1 + zeta_0 t/2)^2; rate: zeta_0, the cooling rate at time 0. While the gas stays homogeneous.
+
+    time: t, any shape. temperature: T_0, energy. rate: 1/time (Haff 1983).
+    """
     return np.asarray(temperature / (1 + 0.5 * rate * np.asarray(time, dtype=np.float64)) ** 2)
 
 
 def haff_collisions(time: ArrayLike, rate: float, collision_rate: float) -> Floats:
-    """Collisions of one particle up to time t, (2 w_0/zeta_0) ln(1 + zeta_0 t/2)."""
+    """Collisions of one particle up to time t, (2 w_0/zeta_0) ln(1 + zeta_0 t/2).
+
+    time: t, any shape. rate: zeta_0, and collision_rate: w_0, both at time 0, 1/time (Haff 1983).
+    """
     return np.asarray(2 * collision_rate / rate * np.log1p(0.5 * rate * np.asarray(time, dtype=np.float64)))
 
 
 def temperature_after(collisions: ArrayLike, alpha: float, dimension: int, a2: float = 0.0) -> Floats:
-    """T/T_0 = exp(-(1 - alpha^2) s/d (1 + 3 a_2/16)/(1 - a_2/16)) after s collisions of each particle."""
+    """T/T_0 = exp(-(1 - alpha^2) s/d (1 + 3 a_2/16)/(1 - a_2/16)) after s collisions of each particle.
+
+    collisions: s, any shape. alpha: 0 to 1. dimension: d, 2 or 3. a2: a_2, constant and small.
+    """
     s = np.asarray(collisions, dtype=np.float64)
     return np.asarray(np.exp(-(1 - alpha**2) * s / dimension * (1 + 3 * a2 / 16) / rate_factor(a2)))
 
 
 def best_cumulant(alpha: float, dimension: int) -> Estimate:
-    """a_2 as simulated where it is known, `FOURTH_CUMULANTS`; else linear theory, which is off by up to 0.007 there."""
+    """a_2 as simulated where it is known, `FOURTH_CUMULANTS`; else linear theory, which is off by up to 0.007 there.
+
+    alpha: 0 to 1. dimension: 2 or 3.
+    """
     known = FOURTH_CUMULANTS.get((dimension, alpha))
     return known or Estimate(fourth_cumulant(alpha, dimension), 0.004)
 
@@ -217,7 +260,10 @@ def vortex_excess(number: int, length: float, dimension: int) -> float:
 
 
 def rotational_freedoms(dimension: int) -> int:
-    """1 of a disk, 3 of a sphere."""
+    """1 of a disk, 3 of a sphere.
+
+    dimension: 2 or 3, else KeyError.
+    """
     return {2: 1, 3: 3}[dimension]
 
 
@@ -229,6 +275,9 @@ def rough_rates(
     rate: a particle's collision rate w at T_tr. With x = T_rot/T_tr, c = q (1 - alpha_t)/(2 (1 + q)) and d - 1
     tangents: dT_tr/dt = (w T_tr/d) [-(1 - alpha^2) + 2 (d-1) (-c + c^2 (1 + x/q))] and dT_rot/dt = (2 (d-1) w
     T_tr/d_rot) (-c x/q + (c^2/q) (1 + x/q)). Flux-weighted means <g_n^2> = 4 T_tr, <g_t^2> = 2 (d-1) T_tr (1 + x/q).
+
+    translational, rotational: T_tr and T_rot, energy per freedom. alpha, alpha_t, q: as at the top. dimension: d, 2 or
+    3, else KeyError. rate: 1/time. Gives both in energy/time. Huthmann and Zippelius (1997).
     """
     x, c, tangents = rotational / translational, q * (1 - alpha_t) / (2 * (1 + q)), dimension - 1
     spread = 1 + x / q
@@ -243,6 +292,8 @@ def rough_ratio(alpha: float, alpha_t: float, q: float, dimension: int) -> float
     theta = h + sqrt(1 + h^2) for spheres, h = (1 + q)^2/(2 q (1 - alpha_t)^2) [1 - alpha^2 - (1 - q)/(1 + q) (1 -
     alpha_t^2)] (Huthmann and Zippelius 1997; Santos et al. 2011); for disks the positive root of the same balance,
     dln T_tr/dt = dln T_rot/dt. 1 to 8 % above simulation, `ROUGH_RATIOS`. ValueError for smooth particles.
+
+    alpha, alpha_t, q: as at the top. dimension: 2 or 3, else KeyError.
     """
     if alpha_t >= 1:
         raise ValueError("the spins of smooth particles do not change: there is no such ratio")

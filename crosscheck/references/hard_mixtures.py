@@ -26,7 +26,10 @@ Floats = NDArray[np.float64]
 
 
 class Mixture(NamedTuple):
-    """Number densities, diameters and masses of the species, each of shape (k,)."""
+    """Number densities, diameters and masses of the species.
+
+    densities: particles per length^d; diameters: length; masses; each of shape (k,), any consistent units.
+    """
 
     densities: Floats
     diameters: Floats
@@ -40,9 +43,10 @@ class Mixture(NamedTuple):
 
 
 def mixture(densities: ArrayLike, diameters: ArrayLike, masses: ArrayLike = 1.0) -> Mixture:
-    """A mixture of k species: number densities and diameters (k,), masses (k,) or one of all.
+    """A mixture of k species.
 
-    ValueError unless densities and diameters have one shape (k,).
+    densities: numbers per length^d, and diameters, length, (k,). masses: (k,) or one of all. ValueError unless
+    densities and diameters have one shape (k,).
     """
     n, s = np.asarray(densities, dtype=np.float64), np.asarray(diameters, dtype=np.float64)
     if n.ndim != 1 or n.shape != s.shape:
@@ -57,6 +61,8 @@ def mixture_contact_values(species: Mixture, dimension: int) -> Floats:
     (pi/6) sum n s^k. Disks: Jenkins and Mancini, 1/(1-eta) + (9/16) eta/(1-eta)^2 (<s>/<s^2>) s_i s_j/s_ij; close to
     simulation (S. Luding and A. Santos, J. Chem. Phys. 121, 8458 (2004)). Both exact for a point among the others; take
     1 % of doubt at moderate density.
+
+    species: the mixture. dimension: 2 or 3, else ValueError.
     """
     demand_dimension(dimension)
     n, s = species.densities, species.diameters
@@ -74,6 +80,8 @@ def bmcsl(species: Mixture) -> float:
     """Z of a mixture of spheres: x0 Z = x0/(1-x3) + 3 x1 x2/(1-x3)^2 + x2^3 (3 - x3)/(1-x3)^3, x_k = (pi/6) sum n s^k.
 
     Boublik; Mansoori, Carnahan, Starling and Leland. One species: Carnahan-Starling.
+
+    species: the mixture.
     """
     x0, x1, x2, x3 = (np.pi / 6 * (species.densities * species.diameters**k).sum() for k in range(4))
     return float(1 / (1 - x3) + (3 * x1 * x2 / (1 - x3) ** 2 + x2**3 * (3 - x3) / (1 - x3) ** 3) / x0)
@@ -86,6 +94,8 @@ def mixture_compressibility(species: Mixture, dimension: int) -> Estimate:
     species; with Henderson's Z_1 it is the Z of Jenkins and Mancini's contact values. Spheres: `bmcsl` plus what the
     best Z of one species at that eta has over Carnahan-Starling. Uncertainty: that of Z_1 and 1 % of the departure from
     one species, for diameters within a factor of 3.
+
+    species: the mixture. dimension: 2 or 3, else ValueError.
     """
     demand_dimension(dimension)
     n, s = species.densities, species.diameters
@@ -105,6 +115,8 @@ def species_collision_rates(species: Mixture, dimension: int, temperature: float
     """Rate at which one particle of species i collides with those of species j, (k, k).
 
     n_j s_ij g_ij sqrt(2 pi T/mu_ij) of disks, 2 n_j s_ij^2 g_ij sqrt(2 pi T/mu_ij) of spheres, mu_ij the reduced mass.
+
+    species: the mixture. dimension: 2 or 3. temperature: T, energy. Gives 1/time, as uncertain as g_ij.
     """
     g, n, m = mixture_contact_values(species, dimension), species.densities, species.masses
     distance = 0.5 * (species.diameters[:, None] + species.diameters[None, :])

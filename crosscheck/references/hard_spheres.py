@@ -24,7 +24,10 @@ Floats = NDArray[np.float64]
 
 
 class Estimate(NamedTuple):
-    """What is expected, and how far it may be off: a standard error or the spread of theories, as the source says."""
+    """What is expected, and how far it may be off: a standard error or the spread of theories, as the source says.
+
+    value: what is expected. uncertainty: of it, absolute, in its unit.
+    """
 
     value: float
     uncertainty: float
@@ -37,13 +40,19 @@ def demand_dimension(dimension: int) -> None:
 
 
 def packing_fraction(density: float, dimension: int, diameter: float = 1.0) -> float:
-    """eta = pi n sigma^2/4 or pi n sigma^3/6."""
+    """eta = pi n sigma^2/4 or pi n sigma^3/6.
+
+    density: n, 1/length^d. dimension: d, 2 or 3. diameter: sigma, length.
+    """
     demand_dimension(dimension)
     return float(np.pi / (2 * dimension) * density * diameter**dimension)
 
 
 def number_density(eta: float, dimension: int, diameter: float = 1.0) -> float:
-    """n of a packing fraction eta."""
+    """n of a packing fraction eta.
+
+    eta: packing fraction. dimension: d, 2 or 3. diameter: sigma, length. Gives 1/length^d.
+    """
     demand_dimension(dimension)
     return float(2 * dimension / np.pi * eta / diameter**dimension)
 
@@ -74,14 +83,20 @@ VIRIAL_ERRORS: dict[int, tuple[float, ...]] = {
 
 
 def virial_coefficients(dimension: int) -> Floats:
-    """b_k of Z = sum_k b_k eta^(k-1), k = 1 ... 10."""
+    """b_k of Z = sum_k b_k eta^(k-1), k = 1 ... 10.
+
+    dimension: 2 or 3. Gives (10,). `VIRIAL_ERRORS` are their standard errors (Clisby and McCoy 2006).
+    """
     demand_dimension(dimension)
     ratios = np.array(VIRIAL_RATIOS[dimension])
     return np.asarray(ratios * 2.0 ** ((dimension - 1) * np.arange(ratios.size)))
 
 
 def pade(eta: float, dimension: int, numerator: int = 4) -> float:
-    """Z from the Pade approximant [numerator / 9 - numerator] of the virial series to B_10."""
+    """Z from the Pade approximant [numerator / 9 - numerator] of the virial series to B_10.
+
+    eta: packing fraction. dimension: 2 or 3. numerator: its degree, 1 to 8.
+    """
     b = virial_coefficients(dimension)
     low = b.size - 1 - numerator
     # sum_j q_j b_(k-j) = 0 for the orders above the numerator's, q_0 = 1
@@ -94,12 +109,18 @@ def pade(eta: float, dimension: int, numerator: int = 4) -> float:
 
 
 def henderson(eta: float) -> float:
-    """Z of disks, (1 + eta^2/8)/(1 - eta)^2 (1975). Too high by 0.15 % at eta = 0.4, 0.5 % at 0.5, 1.2 % at 0.6."""
+    """Z of disks, (1 + eta^2/8)/(1 - eta)^2 (1975). Too high by 0.15 % at eta = 0.4, 0.5 % at 0.5, 1.2 % at 0.6.
+
+    eta: packing fraction.
+    """
     return (1 + eta**2 / 8) / (1 - eta) ** 2
 
 
 def luding_fluid(eta: float) -> float:
-    """Z of disks, 1 + 2 eta g, g = (1 - 7 eta/16)/(1 - eta)^2 - eta^3/(128 (1 - eta)^4) (2001); eta < 0.68."""
+    """Z of disks, 1 + 2 eta g, g = (1 - 7 eta/16)/(1 - eta)^2 - eta^3/(128 (1 - eta)^4) (2001); eta < 0.68.
+
+    eta: packing fraction.
+    """
     return henderson(eta) - eta**4 / (64 * (1 - eta) ** 4)
 
 
@@ -110,6 +131,8 @@ def luding_global(eta: float) -> float:
     h(x) = 1 - 0.04 x + 3.25 x^3, eta_m = pi/(2 sqrt 3). The constants of m and h are from memory of the literature,
     checked against the free-volume expansion Z_d = 2/alpha + 1.90(1) + ..., alpha = eta_m/eta - 1, of B. J. Alder, W.
     G. Hoover and D. A. Young, J. Chem. Phys. 49, 3688 (1968) only: take a few per cent of doubt above eta = 0.68.
+
+    eta: packing fraction; ValueError unless 0 <= eta < eta_m.
     """
     densest = np.pi / (2 * 3**0.5)
     if not 0 <= eta < densest:
@@ -124,6 +147,8 @@ def disk_compressibility(eta: float) -> Estimate:
 
     With a floor of 1e-4 (Z - 1) where the two cross. Henderson's formula lies outside above eta = 0.2. ValueError above
     0.65, where the hexatic phase is near.
+
+    eta: packing fraction.
     """
     if not 0 <= eta <= 0.65:
         raise ValueError(f"the fluid of disks is known for eta from 0 to 0.65, got {eta}")
@@ -133,7 +158,10 @@ def disk_compressibility(eta: float) -> Estimate:
 
 
 def carnahan_starling(eta: float) -> float:
-    """Z of spheres, (1 + eta + eta^2 - eta^3)/(1 - eta)^3 (1969). Too low by 0.05 ... 0.3 % for n from 0.3 to 0.9."""
+    """Z of spheres, (1 + eta + eta^2 - eta^3)/(1 - eta)^3 (1969). Too low by 0.05 ... 0.3 % for n from 0.3 to 0.9.
+
+    eta: packing fraction.
+    """
     return (1 + eta + eta**2 - eta**3) / (1 - eta) ** 3
 
 
@@ -169,6 +197,8 @@ def sphere_compressibility(eta: float) -> Estimate:
 
     The correction Z_MD/Z_CS comes from `nist_compressibilities`, by monotone cubic interpolation in n, 1 at n = 0. The
     Pade approximant agrees to 1e-4 for n <= 0.8 and to 3e-4 up to 0.9. ValueError above n = 0.9.
+
+    eta: packing fraction.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -183,13 +213,19 @@ def sphere_compressibility(eta: float) -> Estimate:
 
 
 def compressibility(eta: float, dimension: int) -> Estimate:
-    """Z of the fluid of disks or spheres in the limit of infinitely many."""
+    """Z of the fluid of disks or spheres in the limit of infinitely many.
+
+    eta: packing fraction. dimension: 2 or 3. ValueError as `disk_compressibility` and `sphere_compressibility`.
+    """
     demand_dimension(dimension)
     return disk_compressibility(eta) if dimension == 2 else sphere_compressibility(eta)
 
 
 def contact_value(eta: float, dimension: int) -> Estimate:
-    """g at contact, (Z - 1)/(2^(d-1) eta); 1 at eta = 0."""
+    """g at contact, (Z - 1)/(2^(d-1) eta); 1 at eta = 0.
+
+    eta: packing fraction. dimension: d, 2 or 3. ValueError as `compressibility`.
+    """
     if eta == 0:
         return Estimate(1.0, 0.0)
     z = compressibility(eta, dimension)
@@ -203,6 +239,9 @@ def collision_rate(
     """Collisions of one particle per time: 2 n sigma g sqrt(pi T/m) of disks, 4 n sigma^2 g sqrt(pi T/m) of spheres.
 
     Exact at equilibrium for the exact g (Enskog's is then no approximation); N = infinity.
+
+    eta: packing fraction. dimension: 2 or 3. temperature: T, energy. mass: m. diameter: sigma, length. Any consistent
+    units; gives 1/time. ValueError as `compressibility`.
     """
     g = contact_value(eta, dimension)
     n = number_density(eta, dimension, diameter)
@@ -214,18 +253,29 @@ def collision_rate(
 
 
 def degrees_of_freedom(number: int, dimension: int, momentum_conserved: bool) -> int:
-    """d N, or d (N - 1) in a periodic box whose total momentum is zero; T = 2 K/f with this f and kinetic energy K."""
+    """d N, or d (N - 1) in a periodic box whose total momentum is zero; T = 2 K/f with this f and kinetic energy K.
+
+    number: N. dimension: d. momentum_conserved: whether the total momentum is zero.
+    """
     demand_dimension(dimension)
     return dimension * (number - 1 if momentum_conserved else number)
 
 
 def smooth_compressibility(eta: float, dimension: int) -> float:
-    """A Z of the fluid with smooth derivatives, for corrections of order 1/N: without an uncertainty."""
+    """A Z of the fluid with smooth derivatives, for corrections of order 1/N: without an uncertainty.
+
+    eta: packing fraction. dimension: 2 or 3.
+    """
     return luding_fluid(eta) if dimension == 2 else pade(eta, 3, 5)
 
 
 def number_correction(eta: float, number: int, dimension: int) -> float:
-    """What Z of N particles lacks: (eta/2N) P''/P' with P = eta Z(eta); see `finite_compressibility`."""
+    """By how much Z of N particles is below Z of infinitely many: (eta/2N) P''/P' with P = eta Z(eta).
+
+    Derived in `finite_compressibility`.
+
+    eta: packing fraction. number: N. dimension: 2 or 3.
+    """
     h = 1e-3
     low, mid, high = ((eta + k * h) * smooth_compressibility(eta + k * h, dimension) for k in (-1, 0, 1))
     return float(eta / number * (high - 2 * mid + low) / (h * (high - low)))
@@ -241,6 +291,8 @@ def finite_compressibility(eta: float, number: int, dimension: int) -> Estimate:
     of the box has the ideal part (N - 1)/N in place of 1. Measured, N = 8, 16 disks at eta = 0.3: 1.96623(28),
     2.01512(32), against 1.9664, 2.0148. Uncertainty: that of Z, and for the terms of order 1/N^2 and the periodic
     images twice the square of the correction over Z - 1.
+
+    eta: packing fraction. number: N, 2 or more. dimension: d, 2 or 3. ValueError as `compressibility`.
     """
     z, shift = compressibility(eta, dimension), number_correction(eta, number, dimension)
     higher = 2 * shift**2 / (z.value - 1) if eta > 0 else 0.0
@@ -252,6 +304,8 @@ def finite_speed_factor(freedoms: int) -> float:
 
     (f/2)^(1/2) Gamma(f/2)/Gamma((f+1)/2) = 1 + 1/4f + ...: the scaled relative velocity of a pair is a set of d
     components of a point uniform on a sphere in f dimensions.
+
+    freedoms: f, 1 or more. Exact.
     """
     from scipy.special import gammaln
 
@@ -265,6 +319,9 @@ def finite_collision_rate(
 
     The rate of the infinite system times (Z_N - 1)/(Z - 1), the pairs at contact, and `finite_speed_factor`. Measured,
     N = 8, 16 disks at eta = 0.3: 2.2196(7), 2.3091(5), against 2.2201, 2.3093.
+
+    eta: packing fraction. number: N. dimension: d, 2 or 3. temperature: T, energy. mass: m. diameter: sigma, length.
+    Any consistent units; gives 1/time. ValueError as `compressibility`.
     """
     rate = collision_rate(eta, dimension, temperature, mass, diameter)
     if eta == 0:
@@ -278,7 +335,7 @@ def excess_from_rate(rate: ArrayLike, number: int, dimension: int) -> Floats:
     """Z_N - 1 of N particles in a periodic box, from the collisions of one of them per time; T = 2K/(d (N - 1)) = 1.
 
     rate sqrt(pi)/(2 d), over `finite_speed_factor`: the mean impulse of a collision times sigma. Exact in equilibrium
-    at constant energy. rate: of any shape, in sqrt(T/m)/sigma.
+    at constant energy. rate: of any shape, in sqrt(T/m)/sigma. number: N. dimension: d, 2 or 3.
     """
     slowness = finite_speed_factor(degrees_of_freedom(number, dimension, True))
     return np.asarray(np.asarray(rate) * np.pi**0.5 / (2 * dimension * slowness))

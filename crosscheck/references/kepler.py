@@ -1,4 +1,4 @@
-"""Two bodies under Newton's gravity: the closed form, and what leap-frog steps and rounding make of it.
+"""Two bodies under Newton's gravity: the closed form, and the errors of leap-frog steps and of rounding.
 
 Coordinates are relative, r = r_1 - r_0, with mu = G (m_0 + m_1); energies are per reduced mass. At time 0 the bodies
 are at apocentre on the +x axis and move towards +y, as `crosscheck.scene.Kepler` places them. n = sqrt(mu/a^3) is the
@@ -28,7 +28,10 @@ Floats = NDArray[np.float64]
 
 
 def minus_sine(x: ArrayLike) -> Floats:
-    """x - sin x without cancellation."""
+    """x - sin x without cancellation.
+
+    x: radians, any shape; relative error of the size of rounding. By derivation: Taylor's series for |x| < 1.
+    """
     x = np.asarray(x, dtype=np.float64)
     square, series = x * x, np.ones_like(x)
     # x^3/6 (1 - x^2/(4 5) (1 - x^2/(6 7) (...))): what is left out is below rounding for |x| < 1
@@ -41,8 +44,10 @@ def eccentric_anomaly(mean_anomaly: ArrayLike, eccentricity: float) -> Floats:
     """E of Kepler's equation E - e sin E = M, both in [-pi, pi], for 0 <= e < 1; to round-off in E (1 - e cos E).
 
     Newton's method on f(E) = (1 - e) E + e (E - sin E) - M. f is convex on [0, pi], so from a start to the right of the
-    root every iterate stays there and the descent ends in rounding: it cannot miss. Three bounds from the right are
+    root every iterate stays there and the descent always ends at it, to rounding. Three bounds from the right are
     M + e, M/(1 - e), and (pi^2 M/e)^(1/3) since E - sin E >= E^3/pi^2; the least of them starts it.
+
+    mean_anomaly: M, radians, any shape. eccentricity: e. Gives radians, of the shape of M.
     """
     e = eccentricity
     mean = np.remainder(np.asarray(mean_anomaly, dtype=np.float64) + np.pi, 2 * np.pi) - np.pi
@@ -65,6 +70,9 @@ def relative_orbit(
     """r(t), v(t), shape (..., 2), of the ellipse with its apocentre on +x; `phase` is the mean anomaly there at time 0.
 
     With E from pericentre, r = (-a (cos E - e), -b sin E), b = a sqrt(1 - e^2), and dE/dt = n/(1 - e cos E).
+
+    time: t, any shape (...). eccentricity: e, 0 <= e < 1. a: semi-major axis, length. mu: length^3/time^2. phase:
+    radians. Any consistent units.
     """
     t, e = np.asarray(time, dtype=np.float64), eccentricity
     n = np.sqrt(mu / a**3)
@@ -81,7 +89,11 @@ def relative_orbit(
 def two_bodies(
     time: ArrayLike, masses: ArrayLike, eccentricity: float, a: float = 1.0, G: float = 1.0
 ) -> tuple[Floats, Floats]:
-    """Positions and velocities of both bodies, shape (..., 2, 2), about their centre of mass at rest."""
+    """Positions and velocities of both bodies, shape (..., 2, 2), about their centre of mass at rest.
+
+    time: t, any shape (...). masses: (2,), of body 0 and 1. eccentricity: e, 0 <= e < 1. a: semi-major axis of the
+    relative orbit, length. G: length^3/(mass time^2). Any consistent units.
+    """
     m = np.asarray(masses, dtype=np.float64)
     r, v = relative_orbit(time, eccentricity, a, G * float(m.sum()))
     share = (np.array([-m[1], m[0]]) / m.sum())[:, None]
@@ -89,7 +101,10 @@ def two_bodies(
 
 
 def relative(bodies: Floats) -> Floats:
-    """r_1 - r_0 of positions or velocities of shape (..., 2, d)."""
+    """r_1 - r_0 of positions or velocities.
+
+    bodies: (..., 2, d), of both bodies. Gives (..., d), in the same unit.
+    """
     return bodies[..., 1, :] - bodies[..., 0, :]
 
 
@@ -97,17 +112,26 @@ def relative(bodies: Floats) -> Floats:
 
 
 def energy(r: Floats, v: Floats, mu: float) -> Floats:
-    """v^2/2 - mu/r; -mu/2a on the orbit."""
+    """v^2/2 - mu/r; -mu/2a on the orbit.
+
+    r, v: (..., 2), length and length/time. mu: length^3/time^2. Gives (...,), energy per reduced mass.
+    """
     return np.asarray(0.5 * (v * v).sum(-1) - mu / np.sqrt((r * r).sum(-1)))
 
 
 def angular_momentum(r: Floats, v: Floats) -> Floats:
-    """r x v; sqrt(mu a (1 - e^2)) on the orbit."""
+    """r x v; sqrt(mu a (1 - e^2)) on the orbit.
+
+    r, v: (..., 2), length and length/time. Gives (...,), length^2/time.
+    """
     return np.asarray(r[..., 0] * v[..., 1] - r[..., 1] * v[..., 0])
 
 
 def eccentricity_vector(r: Floats, v: Floats, mu: float) -> Floats:
-    """Laplace, Runge and Lenz's vector v x L/mu - r/|r|: towards pericentre, of length e."""
+    """Laplace, Runge and Lenz's vector v x L/mu - r/|r|: towards pericentre, of length e.
+
+    r, v: (..., 2), length and length/time. mu: length^3/time^2. Gives (..., 2).
+    """
     turned = np.stack([v[..., 1], -v[..., 0]], axis=-1) * angular_momentum(r, v)[..., None]
     return np.asarray(turned / mu - r / np.sqrt((r * r).sum(-1))[..., None])
 
@@ -128,17 +152,26 @@ def _steepness(r: Floats, mu: float) -> Floats:
 
 
 def kick_drift_kick(r: Floats, v: Floats, mu: float) -> Floats:
-    """H_2 of velocity Verlet (and of Verlet and leap-frog, read out at whole steps): v.U''.v/12 - |grad U|^2/24."""
+    """H_2 of velocity Verlet (and of Verlet and leap-frog, read out at whole steps): v.U''.v/12 - |grad U|^2/24.
+
+    r, v: (..., 2), length and length/time. mu: length^3/time^2. Gives (...,), energy per reduced mass over time^2.
+    """
     return _curvature(r, v, mu) / 12.0 - _steepness(r, mu) / 24.0
 
 
 def drift_kick_drift(r: Floats, v: Floats, mu: float) -> Floats:
-    """H_2 of position Verlet: |grad U|^2/12 - v.U''.v/24."""
+    """H_2 of position Verlet: |grad U|^2/12 - v.U''.v/24.
+
+    r, v: (..., 2), length and length/time. mu: length^3/time^2. Gives (...,), energy per reduced mass over time^2.
+    """
     return _steepness(r, mu) / 12.0 - _curvature(r, v, mu) / 24.0
 
 
 def kick_drift(r: Floats, v: Floats, mu: float) -> Floats:
-    """H_1 of symplectic Euler, velocity first: -v.grad U/2."""
+    """H_1 of symplectic Euler, velocity first: -v.grad U/2.
+
+    r, v: (..., 2), length and length/time. mu: length^3/time^2. Gives (...,), energy per reduced mass over time.
+    """
     return np.asarray(-0.5 * mu * (r * v).sum(-1) / (r * r).sum(-1) ** 1.5)
 
 
@@ -146,10 +179,10 @@ Modified = Callable[[Floats, Floats, float], Floats]
 
 
 class Shadow(NamedTuple):
-    """What a symplectic map of step dt conserves better than the energy: H + dt^power correction, to dt^(power + gain).
+    """Modified Hamiltonian of a symplectic map of step dt, H + dt^power correction, conserved to dt^(power + gain).
 
-    correction: of (r, v, mu), r and v of shape (..., 2). gain: 2 for a reversible map, whose modified Hamiltonian has
-    even powers of dt alone, else 1.
+    correction: of (r, v, mu), r and v of shape (..., 2), as `kick_drift_kick`. power: of dt, the order of the map.
+    gain: 2 for a reversible map, whose modified Hamiltonian has even powers of dt alone, else 1.
     """
 
     correction: Modified
@@ -171,6 +204,8 @@ def precession(eccentricity: float, n_dt: float) -> float:
     <H_2> = mu^2/(48 a^4) (2 + e^2) (1 - e^2)^(-5/2). That is the same for kick-drift-kick and drift-kick-drift: one is
     the other seen half a step later. It is also symplectic Euler's, which is leap-frog with the velocities of half a
     step before, and Beeman's, whose positions are Verlet's.
+
+    eccentricity: e, 0 <= e < 1. n_dt: n dt, radians of mean anomaly a step; what is left out is of order (n dt)^4.
     """
     e2 = eccentricity**2
     return -(n_dt**2) * (4.0 + e2) / (16.0 * (1.0 - e2) ** 3)
@@ -187,6 +222,9 @@ def zero_start_orbit(time: ArrayLike, eccentricity: float, a: float, mu: float, 
     corrector), and the missing fourth nothing. At apocentre r_3 = -mu v/r^3: the body starts too fast by
     mu v dt^2/(12 r^3). What is left out is of order dt^4. Source: C. W. Gear, Numerical Initial Value Problems in
     Ordinary Differential Equations, Prentice-Hall (1971); the derivation is in docs/kepler.md.
+
+    time: t, any shape (...). eccentricity: e, 0 <= e < 1. a: semi-major axis, length. mu: length^3/time^2. dt: time.
+    Any consistent units.
     """
     r0, v0 = a * (1 + eccentricity), np.sqrt(mu * (1 - eccentricity) / (a * (1 + eccentricity)))
     v = v0 * (1 + mu * dt**2 / (12 * r0**3))
@@ -198,7 +236,10 @@ def zero_start_orbit(time: ArrayLike, eccentricity: float, a: float, mu: float, 
 
 
 def fastest(eccentricity: float) -> float:
-    """Angular speed at pericentre, in units of n: sqrt(1 + e)/(1 - e)^(3/2)."""
+    """Angular speed at pericentre, in units of n: sqrt(1 + e)/(1 - e)^(3/2).
+
+    eccentricity: e, 0 <= e < 1.
+    """
     return float(np.sqrt(1.0 + eccentricity) / (1.0 - eccentricity) ** 1.5)
 
 
@@ -208,6 +249,8 @@ def rounding_error(eccentricity: float, periods: float, steps: float) -> float:
     Each addition r + dt v, v + dt a leaves an error of eps/sqrt(12) times the value in every component. An error at
     time t is carried to the end by d x(T)/d x(t) = J(T) J(t)^-1, with J the derivative of the closed form with respect
     to its elements. The share of the mean motion grows with T - t: the sum goes as steps^(1/2) periods (Brouwer).
+
+    eccentricity: e, 0 <= e < 1. periods: length of the run. steps: in all of it.
     """
     return EPSILON * (steps / 12.0) ** 0.5 * _carried(eccentricity, periods)
 
@@ -217,6 +260,8 @@ def energy_rounding(eccentricity: float, periods: float, per_period: float) -> f
 
     r and v are rounded by eps/sqrt(12) of themselves; that changes the energy by r.a and v.v, which are at most
     (1 + e)/(1 - e) n^2 a^2, and |E| = n^2 a^2/2. A random walk: the deviation grows as steps^(1/2) (Brouwer).
+
+    eccentricity: e, 0 <= e < 1. periods: length of the run. per_period: roundings a period.
     """
     walk = np.sqrt(2 / 12 * per_period * periods)
     return float(EPSILON * walk * 2 * (1 + eccentricity) / (1 - eccentricity))
@@ -226,6 +271,8 @@ def momentum_rounding(eccentricity: float, periods: float, per_period: float) ->
     """Bound on the standard deviation of L/L_0 after `periods` of `per_period` independent roundings of r and v each.
 
     r v <= n a^2 on the orbit, and L = n a^2 sqrt(1 - e^2). Central kicks change L by rounding alone.
+
+    eccentricity: e, 0 <= e < 1. periods: length of the run. per_period: roundings a period.
     """
     return float(EPSILON * np.sqrt(2 / 12 * per_period * periods / (1 - eccentricity**2)))
 

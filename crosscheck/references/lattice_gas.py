@@ -27,7 +27,8 @@ SOUND_SPEED = {
 def relaxation_rate(model: str, density: float) -> float:
     """lambda, per step, of the moment c_x c_y (of HPP: c_x^2 - c_y^2) in the linearised collisions at rest.
 
-    KeyError for a model that is not known. M. Henon (1987); FHP-I, II, III also in the papers named above.
+    model: KeyError if it is not known. density: d, 0 < d < 1. M. Henon (1987); FHP-I, II, III also in the papers named
+    above.
     """
     d, hole = density, 1 - density
     return {
@@ -41,14 +42,20 @@ def relaxation_rate(model: str, density: float) -> float:
 
 
 def shear_viscosity(model: str, density: float) -> float:
-    """nu = (1/lambda - 1/2)/4 of the FHP models, links^2 per step. ValueError for HPP, which has none."""
+    """nu = (1/lambda - 1/2)/4 of the FHP models, links^2 per step. ValueError for HPP, which has none.
+
+    model: a name of `lattice_models.MODELS`, else KeyError. density: d, 0 < d < 1.
+    """
     if model == "hpp":
         raise ValueError("HPP is not isotropic and has no shear viscosity")
     return (1 / relaxation_rate(model, density) - 0.5) / 4
 
 
 def bulk_viscosity(model: str, density: float) -> float:
-    """zeta/rho, links^2 per step: 0 without a rest particle. D. d'Humieres and P. Lallemand (1987)."""
+    """zeta/rho, links^2 per step: 0 without a rest particle. D. d'Humieres and P. Lallemand (1987).
+
+    model: a name of `lattice_models.MODELS`. density: d, 0 < d < 1.
+    """
     d, hole = density, 1 - density
     if model == "fhp2":
         return 1 / (98 * d * hole**4) - 1 / 28
@@ -61,6 +68,8 @@ def longitudinal_viscosity(model: str, density: float) -> float:
     """nu + zeta/rho, links^2 per step: sound of wave number k is damped by k^2/2 times as much.
 
     Of HPP along an axis, (1/lambda - 1/2)/2.
+
+    model: a name of `lattice_models.MODELS`, else KeyError. density: d, 0 < d < 1.
     """
     if model == "hpp":
         return (1 / relaxation_rate(model, density) - 0.5) / 2
@@ -68,6 +77,9 @@ def longitudinal_viscosity(model: str, density: float) -> float:
 
 
 def galilean_factor(model: str, density: float) -> float:
-    """g of the term g u.grad u: (1 - 2d)/(2(1 - d)), and 7/6 of it with a rest particle. U. Frisch et al. (1987)."""
+    """g of the term g u.grad u: (1 - 2d)/(2(1 - d)), and 7/6 of it with a rest particle. U. Frisch et al. (1987).
+
+    model: a name of `lattice_models.MODELS`. density: d, 0 < d < 1.
+    """
     plain = (1 - 2 * density) / (2 * (1 - density))
     return plain * (7 / 6 if model in ("fhp2", "fhp3") else 1.0)

@@ -28,7 +28,10 @@ _HALF = (0.5, math.sqrt(3) / 2)
 
 @dataclass(frozen=True)
 class Velocities:
-    """integers (b, 2): c_i in the units `unit`, (2,), in links per step."""
+    """The velocities of the channels of a model.
+
+    integers: (b, 2), c_i in the units `unit`. unit: (2,), x and y, in links per step.
+    """
 
     integers: tuple[tuple[int, int], ...]
     unit: tuple[float, float]
@@ -70,12 +73,18 @@ MODELS = tuple(VELOCITIES)
 
 
 def momenta(model: str, counts: ArrayLike) -> NDArray[np.float64]:
-    """sum_i c_i n_i in units of `Velocities.unit`, (..., 2), whole numbers for whole n; counts: n_i, (..., b)."""
+    """sum_i c_i n_i in units of `Velocities.unit`, (..., 2), whole numbers for whole n; counts: n_i, (..., b).
+
+    model: a name of `MODELS`, else KeyError.
+    """
     return np.asarray(np.asarray(counts, dtype=np.float64) @ np.array(VELOCITIES[model].integers, dtype=float))
 
 
 def momentum_flux(model: str, occupations: ArrayLike) -> NDArray[np.float64]:
-    """P_ab = sum_i c_ia c_ib f_i, (..., 2, 2), in particles per site; occupations: f_i, (..., b)."""
+    """P_ab = sum_i c_ia c_ib f_i, (..., 2, 2), in particles per site; occupations: f_i, (..., b).
+
+    model: a name of `MODELS`, else KeyError.
+    """
     c = VELOCITIES[model].cartesian
     return np.asarray(np.einsum("...i,ia,ib->...ab", np.asarray(occupations, dtype=np.float64), c, c))
 
@@ -88,6 +97,8 @@ def fermi_dirac(model: str, density: float, velocity: ArrayLike) -> NDArray[np.f
 
     density: d, the mean occupation, between 0 and 1. velocity: u (2,), links per step; not near the largest that d
     allows: ArithmeticError where Newton's method from a gas at rest does not converge.
+
+    model: a name of `MODELS`, else KeyError.
     """
     c = VELOCITIES[model].cartesian
     charges = np.column_stack([np.ones(len(c)), c])
@@ -106,6 +117,8 @@ def low_speed_equilibrium(model: str, density: float, velocity: ArrayLike) -> ND
     """f_i to O(u^2), (b,): d [1 + u.c_i/c_s^2 + (1 - 2d)/(2 (1 - d) c_s^4) ((u.c_i)^2 - c_s^2 u^2)].
 
     density: d. velocity: u (2,), links per step. U. Frisch et al. (1987), with c_s^2 = <c^2>/2 for any velocities.
+
+    model: a name of `MODELS`, else KeyError. density between 0 and 1; |u| well below c_s.
     """
     c, d, u = VELOCITIES[model].cartesian, density, np.asarray(velocity, dtype=np.float64)
     square = float((c**2).mean())
@@ -114,7 +127,10 @@ def low_speed_equilibrium(model: str, density: float, velocity: ArrayLike) -> ND
 
 
 def entropy_density(occupations: ArrayLike) -> NDArray[np.float64]:
-    """H of a site, sum_i f_i ln f_i + (1 - f_i) ln(1 - f_i), 0 ln 0 = 0, (...); occupations: f_i, (..., b)."""
+    """H of a site, sum_i f_i ln f_i + (1 - f_i) ln(1 - f_i), 0 ln 0 = 0.
+
+    occupations: f_i, (..., b), 0 to 1. Gives (...,).
+    """
     f = np.asarray(occupations, dtype=np.float64)
     both = np.stack([f, 1 - f])
     return np.asarray((both * np.log(np.where(both > 0, both, 1.0))).sum(axis=(0, -1)))
@@ -125,7 +141,10 @@ def entropy_density(occupations: ArrayLike) -> NDArray[np.float64]:
 
 @cache
 def states(model: str) -> NDArray[np.float64]:
-    """s_i of every state, (2^b, b)."""
+    """s_i of every state, (2^b, b).
+
+    model: a name of `MODELS`, else KeyError.
+    """
     b = VELOCITIES[model].channels
     return (np.arange(2**b)[:, None] >> np.arange(b) & 1).astype(np.float64)
 
@@ -157,7 +176,10 @@ def _partners(model: str) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
 
 
 def transitions(model: str) -> NDArray[np.float64]:
-    """A(s -> t), the probability that a collision turns state s into t, (2^b, 2^b)."""
+    """A(s -> t), the probability that a collision turns state s into t, (2^b, 2^b).
+
+    model: a name of `MODELS`, else KeyError.
+    """
     partners, number = _partners(model)
     return np.asarray(partners / number)
 
@@ -176,6 +198,8 @@ def mean_collision(model: str, occupations: ArrayLike) -> NDArray[np.float64]:
     """Delta_i = sum_s P(s) sum_t A(s -> t) (t_i - s_i), (b,), P the product of f_j or 1 - f_j: independent channels.
 
     occupations: f_i (b,) before the collision.
+
+    model: a name of `MODELS`, else KeyError.
     """
     f = np.asarray(occupations, dtype=np.float64)
     s, change = _changes(model)
@@ -186,6 +210,8 @@ def linearised_collision(model: str, occupations: ArrayLike) -> NDArray[np.float
     """J_ij = d Delta_i/d f_j, (b, b), by dP/df_j = P (s_j - f_j)/(f_j (1 - f_j)).
 
     occupations: f_i (b,), none of them 0 or 1.
+
+    model: a name of `MODELS`, else KeyError.
     """
     f = np.asarray(occupations, dtype=np.float64)
     s, change = _changes(model)
@@ -197,7 +223,10 @@ def linearised_collision(model: str, occupations: ArrayLike) -> NDArray[np.float
 
 
 class Modes(NamedTuple):
-    """Rates of small waves exp(i (k.r - omega t) - alpha t), per step: of shear, and of the sound that runs along k."""
+    """Rates of small waves exp(i (k.r - omega t) - alpha t), per step: of shear, and of the sound that runs along k.
+
+    shear_decay, sound_damping: alpha. shear_frequency, sound_frequency: omega, radians; all per step.
+    """
 
     shear_decay: float
     shear_frequency: float
@@ -211,6 +240,8 @@ def modes(model: str, density: float, wavevector: ArrayLike, velocity: ArrayLike
     They are the three slowest: shear, whose frequency is the smallest, and two sound waves. density: d. wavevector: k
     (2,), in 1/links, so small that these three decay less in a step than all others: c_s |k| and k^2 nu below the
     slowest relaxation rate. velocity: u (2,), links per step, |u| well below c_s.
+
+    model: a name of `MODELS`, else KeyError.
     """
     k, c = np.asarray(wavevector, dtype=np.float64), VELOCITIES[model].cartesian
     collision = linearised_collision(model, fermi_dirac(model, density, velocity))

@@ -26,7 +26,10 @@ VISCOSITY = {
 
 
 def half_sine_modes(number: int) -> NDArray[np.float64]:
-    """b_n, n = 1 ... number, of sin(2 pi x/L) = sum b_n cos(n pi x/L) on 0 ... L: 8/(pi (4 - n^2)), 0 for even n."""
+    """b_n, n = 1 ... number, of sin(2 pi x/L) = sum b_n cos(n pi x/L) on 0 ... L: 8/(pi (4 - n^2)), 0 for even n.
+
+    number: how many, 1 or more. Gives (number,). By derivation: Fourier's integrals.
+    """
     n = np.arange(1, number + 1, dtype=np.float64)
     odd = n % 2 == 1
     return np.where(odd, 8 / (math.pi * np.where(odd, 4 - n**2, 1.0)), 0.0)

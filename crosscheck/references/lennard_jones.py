@@ -16,10 +16,11 @@ from crosscheck.scene import Floats, Scene
 
 
 class PairSum(NamedTuple):
-    """Forces (N, d), potential energy and virial of a configuration, with the scale of their rounding.
+    """Forces, potential energy and virial of a configuration, with the scale of their rounding.
 
-    force_scale: (N,), sum over neighbours of |f_ij|. energy_scale, virial_scale: the same sums without signs.
-    sensitivity: the largest relative rounding of one pair term, from that of its distance.
+    forces: (N, d), energy/length. energy, virial: energies. force_scale: (N,), sum over neighbours of |f_ij|.
+    energy_scale, virial_scale: the same sums without signs. sensitivity: the largest relative rounding of one pair
+    term, from that of its distance.
     """
 
     forces: Floats
@@ -32,7 +33,11 @@ class PairSum(NamedTuple):
 
 
 def pair_sum(scene: Scene) -> PairSum:
-    """The scene's initial configuration, pair by pair from scipy's k-d tree: no code in common with `refimpl`."""
+    """The scene's initial configuration, pair by pair from scipy's k-d tree: no code in common with `refimpl`.
+
+    scene: of [lennard_jones], whose units the result has. Derivation: the sum over pairs as it is defined, with Lorentz
+    and Berthelot's rules for mixtures (Allen and Tildesley 1987).
+    """
     from scipy.spatial import cKDTree
 
     lj, state = scene.lennard_jones, scene.initial_state()
@@ -117,7 +122,10 @@ def _walls(scene: Scene, x: Floats) -> tuple[float, Floats]:
 
 
 class Tail(NamedTuple):
-    """Long-range corrections of a one-species fluid beyond the cutoff: energy a particle, and pressure."""
+    """Long-range corrections of a one-species fluid beyond the cutoff, in reduced units.
+
+    energy: a particle. pressure: energy/length^3.
+    """
 
     energy: float
     pressure: float
@@ -127,6 +135,8 @@ def tail(density: float, cutoff: float) -> Tail:
     """Three dimensions, g(r) = 1 beyond the cutoff.
 
     u = (8/3) pi rho (rc^-9/3 - rc^-3), p = (16/3) pi rho^2 ((2/3) rc^-9 - rc^-3).
+
+    density: rho, 1/length^3, and cutoff: rc, length, in reduced units. Allen and Tildesley (1987), section 2.8.
     """
     r3, r9 = cutoff**-3, cutoff**-9
     return Tail(8 / 3 * np.pi * density * (r9 / 3 - r3), 16 / 3 * np.pi * density**2 * (2 / 3 * r9 - r3))
@@ -169,6 +179,8 @@ def open_cluster(positions: Floats, velocities: Floats, times: Floats) -> Floats
     """Positions (times, N, d) of untruncated Lennard-Jones particles of mass 1 in open space.
 
     Dormand and Prince's method of order 8 (Hairer, Norsett and Wanner, 1993, section II.5), relative tolerance 1e-13.
+
+    positions, velocities: (N, d) at time 0. times: (times,), ascending from 0 or later; reduced units.
     """
     from scipy.integrate import solve_ivp
 
@@ -189,7 +201,10 @@ def open_cluster(positions: Floats, velocities: Floats, times: Floats) -> Floats
 
 
 class StatePoint(NamedTuple):
-    """Residual internal energy a particle and pressure, each the mean of two equations of state, and half their gap."""
+    """Residual internal energy a particle and pressure, each the mean of two equations of state, and half their gap.
+
+    energy, pressure: reduced units. energy_uncertainty, pressure_uncertainty: the half gaps, in the same units.
+    """
 
     energy: float
     energy_uncertainty: float
@@ -198,7 +213,10 @@ class StatePoint(NamedTuple):
 
 
 def equation_of_state(temperature: float, density: float) -> StatePoint:
-    """Kolafa-Nezbeda (1994) and Thol et al. (2016); fluid states, 0.7 < T < 6, density < 1."""
+    """Kolafa-Nezbeda (1994) and Thol et al. (2016); fluid states, 0.7 < T < 6, density < 1.
+
+    temperature: T, and density: rho, 1/length^3, in reduced units. ImportError without teqp.
+    """
     import teqp
 
     values = []

@@ -1,6 +1,6 @@
 """The Lorentz gas: a point that flies among fixed disks or spheres; free path and diffusion.
 
-dimension, d, is 2 or 3; density, n, scatterers per length^d; radius, R, of a scatterer as the point sees it; speed, v.
+dimension, d, is 2 or 3; density, n, scatterers per length^d; radius, R, of a scatterer for the point; speed, v.
 
 Literature: C. Bruin, Phys. Rev. Lett. 29, 1670 (1972); J. M. J. van Leeuwen and A. Weijland, Physica 36, 457 (1967) and
 38, 35 (1968).
@@ -20,6 +20,9 @@ def free_path(density: float, radius: float, dimension: int, overlapping: bool =
     n R^2)/(2 n R), (1 - 4 pi n R^3/3)/(pi n R^2) without overlaps, on a lattice or at random; 1/(2 n R), 1/(pi n R^2)
     for centres placed at random with overlaps, where free volume and surface shrink alike. Time average over
     collisions; on a lattice with open corridors the mean exists, too. ValueError if the scatterers fill all.
+
+    density: n, 1/length^d. radius: R, length. dimension: d, 2 or 3, else ValueError. overlapping: whether scatterers
+    may overlap. Any consistent units; gives a length.
     """
     demand_dimension(dimension)
     cross_section = 2 * radius if dimension == 2 else np.pi * radius**2
@@ -36,6 +39,9 @@ def boltzmann_diffusion(density: float, radius: float, dimension: int, speed: fl
 
     The transport cross-section is the integral of (1 - cos of the angle of deflection) over the impact parameter;
     spheres scatter isotropically.
+
+    density: n, 1/length^d. radius: R, length. dimension: d, 2 or 3, else ValueError. speed: v, length/time. Any
+    consistent units; gives length^2/time. To first order in the density.
     """
     demand_dimension(dimension)
     transport = 8 * radius / 3 if dimension == 2 else np.pi * radius**2
@@ -56,6 +62,8 @@ def diffusion_series(density: float, radius: float = 1.0) -> float:
 
     x = n R^2 <= 0.05. Van Leeuwen and Weijland (1967, 1968), Bruin (1972): from memory of the literature, checked
     against `DIFFUSION` only: 1.5 and 2 % low at x = 0.02 and 0.05, 3 % high at 0.1.
+
+    density: n, 1/length^2. radius: R, length.
     """
     x = density * radius**2
     y = x * np.log(x)

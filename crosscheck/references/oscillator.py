@@ -34,6 +34,8 @@ def solution(
 
     time in the units of 1/omega0. The three cases share C(t) = cos, 1, cosh and S(t) = sin(w t)/w, t, sinh(w t)/w:
     r = e^{-beta t} (r0 C + (v0 + beta r0) S), v = e^{-beta t} (v0 C - (omega0^2 r0 + beta v0) S).
+
+    time: t, any shape. r0: length. v0: length/time. omega0, beta: 1/time, not negative. Any consistent units.
     """
     t = np.asarray(time, dtype=np.float64)
     square = (omega0 - beta) * (omega0 + beta)
@@ -58,6 +60,8 @@ def fastest_rate(omega0: float, beta: float) -> float:
     """Largest modulus of the roots of s^2 + 2 beta s + omega0^2 = 0, in units of 1/time.
 
     omega0 up to critical damping, beta + sqrt(beta^2 - omega0^2) beyond it: the rate that a time step must resolve.
+
+    omega0, beta: 1/time, not negative. By derivation: the roots of the quadratic equation.
     """
     return omega0 if beta <= omega0 else beta + (beta**2 - omega0**2) ** 0.5
 
@@ -184,6 +188,8 @@ def matrices(scheme: str, kappa: Any, c: Any) -> Linear:
 
     kappa = (omega0 dt)^2 and c = gamma dt/m may be floats, rationals or mpmath numbers; the matrices have their type.
     KeyError for a scheme without a matrix.
+
+    scheme: its name. By derivation from the recurrences.
     """
     if scheme in _PLAIN:
         return _PLAIN[scheme](kappa, c)
@@ -194,14 +200,21 @@ def matrices(scheme: str, kappa: Any, c: Any) -> Linear:
 
 
 def has_matrix(scheme: str) -> bool:
-    """Whether the exact numerical solution of this scheme is known here."""
+    """Whether the exact numerical solution of this scheme is known here.
+
+    scheme: its name.
+    """
     return scheme in _PLAIN or scheme in _CORRECTORS or scheme in _ZERO_START
 
 
 def numerical_solution(
     scheme: str, steps: int, dt: float, r0: float, v0: float, omega0: float, beta: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """r and v after 0, 1, ... `steps` steps, from the matrices in long double, rounded to float64."""
+    """r and v after 0, 1, ... `steps` steps, from the matrices in long double, rounded to float64.
+
+    scheme: a name known to `has_matrix`, else KeyError. dt: time step. r0: length. v0: length/time. omega0, beta:
+    1/time. Any consistent units. Two arrays (steps + 1,), exact to the rounding of long double.
+    """
     kappa, c = np.longdouble(omega0 * dt) ** 2, 2 * np.longdouble(beta) * np.longdouble(dt)
     start, advance, read = (m.astype(np.longdouble) for m in matrices(scheme, kappa, c))
     state = start @ np.array([r0, np.longdouble(v0) * np.longdouble(dt)], dtype=np.longdouble)
@@ -214,7 +227,10 @@ def numerical_solution(
 
 
 def growth_per_step(scheme: str, h: float) -> float:
-    """Largest modulus of the eigenvalues of the undamped step matrix at h = omega0 dt."""
+    """Largest modulus of the eigenvalues of the undamped step matrix at h = omega0 dt.
+
+    scheme: a name known to `has_matrix`, else KeyError. h: radians per step.
+    """
     advance = matrices(scheme, float(h) ** 2, 0.0)[1].astype(np.float64)
     return float(np.abs(np.linalg.eigvals(advance)).max())
 
@@ -235,13 +251,19 @@ _STRICT_LIMITS = {
 
 
 def strict_limit(scheme: str) -> float | None:
-    """The stability limit in closed form; None where no step is stable for ever, or the growth too slow to see."""
+    """The stability limit in closed form; None where no step is stable for ever, or the growth too slow to see.
+
+    scheme: its name; None too if it is not known. In radians, omega0 dt.
+    """
     return _STRICT_LIMITS.get(scheme)
 
 
 @cache
 def practical_limit(scheme: str, growth: float) -> float:
-    """The smallest h = omega0 dt at which the amplitude grows by the factor `growth` > 1 a step, from eigenvalues."""
+    """The smallest h = omega0 dt at which the amplitude grows by the factor `growth` > 1 a step, from eigenvalues.
+
+    scheme: a name known to `has_matrix`, else KeyError. In radians, to 1e-14.
+    """
     from scipy.optimize import brentq
 
     grid = np.linspace(0.01, 2.5, 80)
@@ -254,6 +276,8 @@ def growth_rate(scheme: str, h: float) -> float:
 
     The characteristic polynomial is exact (Faddeev and LeVerrier, in rationals); its root is polished by Newton's
     method in long double.
+
+    scheme: a name known to `has_matrix`, else KeyError. h: radians per step.
     """
     advance = matrices(scheme, Fraction(h) ** 2, Fraction(0))[1]
     size = len(advance)
@@ -273,6 +297,8 @@ def energy_growth(scheme: str, h: float) -> float:
     """d ln E/d(omega0 t) of the undamped oscillator at h = omega0 dt: twice the growth rate of the amplitude.
 
     0 where the growth a step is of the size of rounding. E = (v^2 + omega0^2 r^2)/2, averaged over a period.
+
+    scheme: a name known to `has_matrix`, else KeyError. h: radians per step.
     """
     rate = 2 * growth_rate(scheme, h) / h
     return float(rate) if abs(rate) > 4 * EPSILON / h else 0.0
@@ -286,6 +312,8 @@ def rounding_error(steps: float) -> float:
 
     Each is rounded by eps/sqrt(12) of itself in every step, and turns with the phase from then on: a random walk
     (D. Brouwer, Astron. J. 46, 149 (1937)).
+
+    steps: how many.
     """
     return float(EPSILON * (2 / 12 * steps) ** 0.5)
 
@@ -293,7 +321,7 @@ def rounding_error(steps: float) -> float:
 def rounding_lever(scheme: str, rate: float) -> float:
     """How much a rounding of the position counts in the velocity: 1; of Verlet 1/(omega dt).
 
-    Verlet's positions carry the velocity as a difference, so that a rounding of r is one of r/dt in v.
-    rate: steps per radian of the motion, 1/(omega dt).
+    Verlet's positions carry the velocity as a difference, so that a rounding of r is one of r/dt in v. scheme: its
+    name. rate: steps per radian of the motion, 1/(omega dt).
     """
     return rate if scheme == "verlet" else 1.0

@@ -26,6 +26,8 @@ def soft_chain(
     number: of beads; restitution: alpha between beads and at the floor, above 0; t_c: duration of a contact of two
     beads alone (time); gap: between the surfaces of neighbours at the start (length). Returns two arrays (number,),
     from the lowest bead upwards: heights of the centres above the floor, and velocities, positive upwards.
+
+    speed: of the lowest bead at the first contact (length/time). duration: (time). The field is 1 length/time^2.
     """
     from scipy.integrate import solve_ivp
 

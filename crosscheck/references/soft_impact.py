@@ -30,7 +30,7 @@ T the force against it over mu m v, and ' = d/d phi, all that is left is alpha, 
 So u'/v = mu (1 + 1/q) f(x; alpha, alpha_t), and mu and q only scale what a soft contact is off the hard rule.
 
 * mu = infinity: u' = alpha_t u. "history" does not come to this as mu -> infinity at alpha < 1: where F_n turns
-  round the limit is 0 and the stretch is lost, whatever mu. `weak_slip_restitution` has what is left.
+  round the limit is 0 and the stretch is lost, whatever mu. The limit is in `weak_slip_restitution`.
 * Contacts slide at some time at every Theta > 0, as the limit is 0 within the contact, or, at alpha = 1, at its end;
   there is one exception, the last below.
 * Sliding throughout, it is the integral of |F_n| that counts: J_t = mu integral |F_n| dt, more than mu J_n. Since the
@@ -58,7 +58,7 @@ from crosscheck.references import EPSILON
 
 Floats = NDArray[np.float64]
 
-#: c = LARGEST_DAMPING[law] zeta, zeta = 1 where the grains never come apart.
+#: c = LARGEST_DAMPING[law] zeta, zeta = 1 where the contact does not end.
 LARGEST_DAMPING = {"hooke": 2.0, "hertz": math.sqrt(5)}
 
 #: Contact time of "hertz" without damping over largest overlap/v: 4 sqrt(pi) Gamma(2/5)/(5 Gamma(9/10)) = 2.943.
@@ -75,6 +75,8 @@ def damping(alpha: float, law: Literal["hooke", "hertz"] = "hooke") -> float:
     """c of a restitution: 2 |ln alpha|/sqrt(pi^2 + ln^2 alpha) of "hooke", sqrt(5) for 2 of "hertz"; 0 <= alpha <= 1.
 
     ValueError for other alpha.
+
+    alpha: restitution. law: of the normal force.
     """
     if alpha == 0:
         return LARGEST_DAMPING[law]
@@ -84,7 +86,10 @@ def damping(alpha: float, law: Literal["hooke", "hertz"] = "hooke") -> float:
 
 
 def stiffness(alpha: float, mass: float, contact_time: float) -> float:
-    """k of a contact time, (pi^2 + ln^2 alpha) m/t_c^2 with the reduced mass m, of "hooke"."""
+    """k of a contact time, (pi^2 + ln^2 alpha) m/t_c^2 with the reduced mass m, of "hooke".
+
+    alpha: restitution, above 0. mass: m, reduced. contact_time: t_c, time. Any consistent units; gives mass/time^2.
+    """
     return mass * (math.pi**2 + math.log(alpha) ** 2) / contact_time**2
 
 
@@ -92,6 +97,8 @@ def restitution(c: float, law: Literal["hooke", "hertz"] = "hooke") -> float:
     """alpha of a damping, exp(-pi zeta/sqrt(1 - zeta^2)), zeta = c/2 of "hooke", c/sqrt(5) of "hertz".
 
     ValueError unless 0 <= zeta <= 1: above, the contact does not end.
+
+    c: damping, without unit. law: of the normal force.
     """
     zeta = c / LARGEST_DAMPING[law]
     if not 0 <= zeta <= 1:
@@ -110,6 +117,8 @@ def force_impulse(alpha: float) -> float:
     """Integral of |F_n| dt over m v, 1 + 2 alpha^(2 chi/pi) - alpha, of "hooke" and "hertz"; 1 + alpha or more.
 
     ValueError unless 0 < alpha <= 1.
+
+    alpha: restitution. Derived at the top.
     """
     return 1 + 2 * alpha ** (2 * _chi(alpha) / math.pi) - alpha
 
@@ -162,15 +171,24 @@ class HookeImpact(NamedTuple):
         return -self.alpha * self.first_force
 
     def overlap(self, time: ArrayLike) -> Floats:
-        """delta(t), 0 outside the contact."""
+        """delta(t), 0 outside the contact.
+
+        time: t, any shape. A length.
+        """
         return -self.speed / self.frequency * self._wave(time, 0)
 
     def velocity(self, time: ArrayLike) -> Floats:
-        """delta'(t), 0 outside the contact."""
+        """delta'(t), 0 outside the contact.
+
+        time: t, any shape. Length/time.
+        """
         return self.speed * self._wave(time, 1)
 
     def force(self, time: ArrayLike) -> Floats:
-        """F_n(t), positive where it repels, 0 outside the contact."""
+        """F_n(t), positive where it repels, 0 outside the contact.
+
+        time: t, any shape. Mass length/time^2.
+        """
         return self.mass * self.frequency * self.speed * self._wave(time, 2)
 
     def _wave(self, time: ArrayLike, lead: int) -> Floats:
@@ -227,6 +245,8 @@ def stability_limit(c: float) -> float:
     step to half step, h = omega_0 dt, (x, v/omega_0) is multiplied by ((1 - h^2, h (1 - c h)), (-h, 1 - c h)): trace
     2 - h^2 - c h, determinant 1 - c h. Both eigenvalues lie within the unit circle if h^2 + 2 c h < 4, that is
     h < sqrt(c^2 + 4) - c. ValueError if c < 0.
+
+    c: damping, without unit. By derivation.
     """
     if c < 0:
         raise ValueError("a damping is at least 0")
@@ -239,6 +259,8 @@ def stable_resolution(c: float) -> float:
 
     Of the tangential laws, "history" asks for arccos(alpha_t) dt/t_c < 2 and so for no less, "dashpot" for
     -ln(alpha_t) dt/t_c < 2. ValueError unless 0 <= c < 2.
+
+    c: damping, without unit.
     """
     if not 0 <= c < 2:
         raise ValueError("a contact ends only with a damping of at least 0, and below 2")
@@ -249,9 +271,11 @@ def stable_resolution(c: float) -> float:
 
 
 class SoftContact(NamedTuple):
-    """alpha, alpha_t, coefficient of friction mu (infinity: no limit), q, and the law along the surfaces.
+    """Two like grains, or a grain and a wall, with friction; all without unit.
 
-    Functions of it raise ValueError unless 0 < alpha <= 1, -1 <= alpha_t <= 1 ("dashpot": above 0), mu >= 0 and q > 0.
+    alpha, alpha_t: normal and tangential restitution. mu: coefficient of friction (infinity: no limit). q: I/(m_grain
+    R^2). friction: the law along the surfaces. Functions of it raise ValueError unless 0 < alpha <= 1, -1 <= alpha_t <=
+    1 ("dashpot": above 0), mu >= 0 and q > 0.
     """
 
     alpha: float
@@ -285,6 +309,8 @@ def soft_impact(theta: ArrayLike, contact: SoftContact) -> Outcome:
 
     Sticking and sliding are solved in closed form one after the other, the times of change by root finding: exact to
     rounding. ValueError for values that `SoftContact` excludes, or a theta that is not finite.
+
+    theta: Theta, any shape, without unit. contact: its laws. Derivation at the top.
     """
     _validate(contact)
     slips = np.asarray(theta, dtype=np.float64)
@@ -305,6 +331,8 @@ def hard_impact(theta: ArrayLike, contact: SoftContact) -> Outcome:
 
     J_t/(m v) is that of sticking, (1 - alpha_t) Theta q/(1 + q), and mu (1 + alpha) at most. ValueError as
     `soft_impact` for the contact.
+
+    theta: Theta, any shape, without unit. contact: its laws (Walton 1993).
     """
     _validate(contact)
     slips = np.asarray(theta, dtype=np.float64)
@@ -320,6 +348,8 @@ def weak_slip_restitution(contact: SoftContact) -> float:
     The limit mu |F_n| passes 0 at phi = 2 chi and takes the stretch with it, in a time of order Theta:
     u'/u = cos(2 chi nu) cos((pi - 2 chi) nu), nu = arccos(alpha_t)/pi. "dashpot", alpha = 1 or mu = infinity: alpha_t.
     ValueError as `soft_impact`.
+
+    contact: its laws.
     """
     _validate(contact)
     if contact.mu == 0:
@@ -335,6 +365,8 @@ def sliding_onset(contact: SoftContact) -> float:
 
     But mu (1 + 1/q) of "history" with alpha = 1 and alpha_t = -1, where both end at once, and infinity if nothing
     limits the force (mu = infinity) or there is none (alpha_t = 1). ValueError as `soft_impact`.
+
+    contact: its laws.
     """
     _validate(contact)
     if math.isinf(contact.mu) or contact.alpha_t == 1:
@@ -352,6 +384,8 @@ def gross_sliding(contact: SoftContact) -> float:
     "dashpot": mu (1 + 1/q) times the largest B/lambda + integral B d phi, which is at the beginning, at the end, or
     where B' + lambda B = 0: cot(2 chi - phi) = lambda - cot chi. At alpha = 1 it is 1 + sqrt(1 + 1/lambda^2).
     Infinity for mu = infinity and alpha_t = 1; 0 for mu = 0. ValueError as `soft_impact`.
+
+    contact: its laws.
     """
     _validate(contact)
     if contact.mu == 0:
@@ -377,6 +411,8 @@ def residual(contact: SoftContact, angles: int = 200) -> Residual:
     half from there to `gross_sliding`, the three highest peaks refined. At `gross_sliding` and above it is
     2 mu (1 + 1/q) (alpha^(2 chi/pi) - alpha). All is mu (1 + 1/q) times a function of alpha and alpha_t. ValueError
     as `soft_impact`.
+
+    contact: its laws. angles: how many.
     """
     from scipy.optimize import minimize_scalar
 

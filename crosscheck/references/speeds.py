@@ -24,6 +24,9 @@ def maxwell_density(speed: ArrayLike, dimension: int, temperature: float = 1.0, 
     """Probability density of the speed, 2 v^(d-1) exp(-v^2/w^2)/(Gamma(d/2) w^d), w^2 = 2T/m; 0 for v < 0.
 
     In two dimensions (2 v/V0^2) exp(-v^2/V0^2), with V0^2 = <v^2> = 2T/m.
+
+    speed: v, any shape, length/time. dimension: d, 2 or 3, else ValueError. temperature: T, energy. mass: m. Any
+    consistent units; gives time/length. Exact.
     """
     demand_dimension(dimension)
     v, w2 = np.asarray(speed, dtype=np.float64), 2 * temperature / mass
@@ -34,7 +37,11 @@ def maxwell_density(speed: ArrayLike, dimension: int, temperature: float = 1.0, 
 
 
 def maxwell_cumulative(speed: ArrayLike, dimension: int, temperature: float = 1.0, mass: float = 1.0) -> Floats:
-    """Probability of a smaller speed: the regularised incomplete gamma function P(d/2, m v^2/2T)."""
+    """Probability of a smaller speed: the regularised incomplete gamma function P(d/2, m v^2/2T).
+
+    speed: v, any shape, length/time. dimension: d, 2 or 3, else ValueError. temperature: T, energy. mass: m. Any
+    consistent units. Exact.
+    """
     from scipy.special import gammainc
 
     demand_dimension(dimension)
@@ -43,7 +50,10 @@ def maxwell_cumulative(speed: ArrayLike, dimension: int, temperature: float = 1.
 
 
 def maxwell_mean_speed(dimension: int, temperature: float = 1.0, mass: float = 1.0) -> float:
-    """<v> = (2T/m)^(1/2) Gamma((d+1)/2)/Gamma(d/2): sqrt(pi T/2m), sqrt(8T/pi m)."""
+    """<v> = (2T/m)^(1/2) Gamma((d+1)/2)/Gamma(d/2): sqrt(pi T/2m), sqrt(8T/pi m).
+
+    dimension: d, 2 or 3, else ValueError. temperature: T, energy. mass: m. Any consistent units. Exact.
+    """
     demand_dimension(dimension)
     return float((2 * temperature / mass) ** 0.5 * gamma((dimension + 1) / 2) / gamma(dimension / 2))
 
@@ -52,6 +62,8 @@ def moment_ratio(dimension: int, freedoms: float = inf) -> float:
     """<v^4>/<v^2>^2 in equilibrium, f degrees of freedom at constant energy: (1 + 2/d) f/(f + 2); 2, 5/3 for f = inf.
 
     The velocities are uniform on a sphere in f dimensions (periodic box or hard walls alike).
+
+    dimension: d, 2 or 3, else ValueError. freedoms: f, the velocity components that are free. Exact.
     """
     demand_dimension(dimension)
     return (1 + 2 / dimension) * (1.0 if freedoms == inf else freedoms / (freedoms + 2))
@@ -61,6 +73,8 @@ def moment_ratio_fluctuation(number: int, dimension: int) -> float:
     """Standard deviation of one sample of <v^4>/<v^2>^2 in equilibrium: (8 (d+2)/(d^3 N))^(1/2), 2/sqrt(N) for disks.
 
     To leading order in 1/N, at constant energy: var x^2 - cov(x^2, x)^2/var x for x = v^2/<v^2>.
+
+    number: N, of particles. dimension: d, 2 or 3, else ValueError.
     """
     demand_dimension(dimension)
     return float((8 * (dimension + 2) / (dimension**3 * number)) ** 0.5)
@@ -72,7 +86,10 @@ MEETING_AGAIN = 0.1
 
 
 class Relaxation(NamedTuple):
-    """<v^4>/<v^2>^2 of a dilute gas that starts with one speed, after C collisions of pairs among N particles."""
+    """<v^4>/<v^2>^2 of a dilute gas that starts with one speed, after C collisions of pairs among N particles.
+
+    collisions_per_particle: C/N. moment_ratio: the value then, and standard_error: of it.
+    """
 
     collisions_per_particle: float
     moment_ratio: float
@@ -114,6 +131,9 @@ def mono_speed_moment_ratio(collisions_per_particle: float, number: float, dimen
 
     Boltzmann limit. The fluctuation is that of equilibrium, an upper bound before: at the start it is zero. ValueError
     if C/N is not in the table.
+
+    collisions_per_particle: C/N. number: N, or infinity for the gas itself. dimension: 2 or 3, else ValueError. G. A.
+    Bird's method (1994).
     """
     demand_dimension(dimension)
     for row in MONO_SPEED[dimension]:
@@ -125,6 +145,10 @@ def mono_speed_moment_ratio(collisions_per_particle: float, number: float, dimen
 
 
 def mono_speed_temperature(speed: float, dimension: int, mass: float = 1.0) -> float:
-    """T = m V0^2/d of a gas whose particles all have speed V0."""
+    """T = m V0^2/d of a gas whose particles all have speed V0.
+
+    speed: V0, length/time. dimension: d, 2 or 3, else ValueError. mass: m. Any consistent units. Exact: the definition
+    of T.
+    """
     demand_dimension(dimension)
     return mass * speed**2 / dimension

@@ -23,7 +23,10 @@ Floats = NDArray[np.float64]
 
 
 class Crossing(NamedTuple):
-    """Normal relative velocity after an event at the well's edge, and whether the particle is inside after it."""
+    """Normal relative velocity after an event at the well's edge, and whether the particle is inside after it.
+
+    velocity: u' along n, and inside: whether r < lambda after it.
+    """
 
     velocity: float
     inside: bool
@@ -33,6 +36,8 @@ def entering(u: float, depth: float = 1.0, mass: float = 1.0) -> Crossing:
     """From outside, u = v_ij.n < 0: u' = -sqrt(u^2 + 4 epsilon/m). Energy with the reduced mass m/2.
 
     Each particle changes by (u' - u) n/2 along n = r_ij/|r_ij|. ValueError for u >= 0.
+
+    u: length/time. depth: epsilon, energy. mass: m of one particle. Any consistent units. Alder and Wainwright (1959).
     """
     if u >= 0:
         raise ValueError(f"a pair that enters the well approaches, got u = {u}")
@@ -43,6 +48,8 @@ def leaving(u: float, depth: float = 1.0, mass: float = 1.0) -> Crossing:
     """From inside, u > 0: u' = sqrt(u^2 - 4 epsilon/m) if that is real and positive, else reflection, u' = -u.
 
     ValueError for u <= 0.
+
+    u: length/time. depth: epsilon, energy. mass: m of one particle. Any consistent units. Alder and Wainwright (1959).
     """
     if u <= 0:
         raise ValueError(f"a pair that leaves the well recedes, got u = {u}")
@@ -54,6 +61,8 @@ def escaping_fraction(temperature: float) -> float:
     """Of pairs that reach the edge from inside, the share that leaves: exp(-1/T).
 
     u is flux-weighted with density u exp(-u^2/4T)/2T (m = 1).
+
+    temperature: T, in units of epsilon. Exact in equilibrium.
     """
     return float(np.exp(-1 / temperature))
 
@@ -62,7 +71,11 @@ def escaping_fraction(temperature: float) -> float:
 
 
 class Pair(NamedTuple):
-    """Relative position and velocity of two particles of mass 1, and the events that they went through."""
+    """Relative position and velocity of two particles of mass 1, and the events that they went through.
+
+    position, velocity: (d,), in sigma and sqrt(epsilon/m). entered, left, reflected: events at the edge of the well;
+    hits: of the core.
+    """
 
     position: Floats
     velocity: Floats
@@ -75,7 +88,8 @@ class Pair(NamedTuple):
 def pair_path(position: Floats, velocity: Floats, duration: float, width: float, depth: float = 1.0) -> Pair:
     """Relative motion of one pair for a time `duration`: free flight, elastic core at 1, edge at `width`.
 
-    position, velocity: (d,), of one particle relative to the other. At the edge: `entering` and `leaving`.
+    position, velocity: (d,), of one particle relative to the other, in sigma and sqrt(epsilon/m). At the edge:
+    `entering` and `leaving`. duration: time. width: lambda. depth: of the well, in units of epsilon. Exact to rounding.
     """
     r, v, left_over = np.array(position, dtype=np.float64), np.array(velocity, dtype=np.float64), duration
     inside = bool(r @ r < width**2)
@@ -128,13 +142,19 @@ def _sphere(dimension: int) -> float:
 
 
 def second_virial(temperature: ArrayLike, width: float, dimension: int) -> Floats:
-    """B_2 = (pi/2 or 2 pi/3) (1 - (lambda^d - 1) (exp(1/T) - 1))."""
+    """B_2 = (pi/2 or 2 pi/3) (1 - (lambda^d - 1) (exp(1/T) - 1)).
+
+    temperature: T, any shape. width: lambda, above 1. dimension: d, 2 or 3, else KeyError. In sigma^d. Exact.
+    """
     boltzmann = np.expm1(1 / np.asarray(temperature, dtype=np.float64))
     return np.asarray(_sphere(dimension) * (1 - (width**dimension - 1) * boltzmann))
 
 
 def absolute_virial(temperature: float, width: float, dimension: int) -> float:
-    """The integral of |f|/2, f of Mayer: B_2 as if core and well had one sign; the size of what each contributes."""
+    """The integral of |f|/2, f of Mayer: B_2 as if core and well had one sign; the size of what each contributes.
+
+    temperature: T. width: lambda, above 1. dimension: d, 2 or 3, else KeyError. In sigma^d.
+    """
     return _sphere(dimension) * (1 + (width**dimension - 1) * float(np.expm1(1 / temperature)))
 
 
@@ -143,6 +163,8 @@ def third_virial(temperature: float, width: float, dimension: int) -> float:
 
     f = g Theta(lambda) - (1 + g) Theta(1) is a sum of balls, whose convolutions are overlaps of two balls: one integral
     over r_12 remains. Barker and Henderson, Rev. Mod. Phys. 48, 587 (1976).
+
+    temperature: T. width: lambda, above 1. dimension: d, 2 or 3. In sigma^(2d); exact to the quadrature.
     """
     from scipy.integrate import quad
 
@@ -161,7 +183,10 @@ def third_virial(temperature: float, width: float, dimension: int) -> float:
 
 
 def common_volume(r: float, p: float, q: float, dimension: int) -> float:
-    """Volume (area) common to two balls (disks) of radii p and q whose centres are r apart."""
+    """Volume (area) common to two balls (disks) of radii p and q whose centres are r apart.
+
+    r, p, q: lengths. dimension: 2 or 3. Length^dimension; by derivation from the volume of two caps.
+    """
     if r >= p + q:
         return 0.0
     if r <= abs(p - q):
@@ -175,7 +200,10 @@ def common_volume(r: float, p: float, q: float, dimension: int) -> float:
 
 
 def boyle_temperature(width: float, dimension: int) -> float:
-    """T at which B_2 = 0: 1/ln(lambda^d/(lambda^d - 1)); 2.84578 for lambda = 1.5 in three dimensions."""
+    """T at which B_2 = 0: 1/ln(lambda^d/(lambda^d - 1)); 2.84578 for lambda = 1.5 in three dimensions.
+
+    width: lambda, above 1. dimension: d, 2 or 3. Exact.
+    """
     power = width**dimension
     return float(-1 / np.log1p(-1 / power))
 
@@ -184,6 +212,8 @@ def dilute_compressibility(density: float, temperature: float, width: float, dim
     """Z = 1 + B_2 n; uncertain by (B n)^2, B the larger of |B_2| and its value without the hard core's part.
 
     The size of the next term is B_3 n^2, and |B_3| may exceed B_2^2: for n |B| << 1 only.
+
+    density: n, in sigma^-d. temperature: T. width: lambda, above 1. dimension: d, 2 or 3, else KeyError.
     """
     b2 = float(second_virial(temperature, width, dimension))
     size = absolute_virial(temperature, width, dimension)
@@ -194,6 +224,9 @@ def dilute_energy(density: float, temperature: float, width: float, dimension: i
     """Potential energy a particle, -(pi/2 or 2 pi/3) n (lambda^d - 1) exp(1/T), to first order in n.
 
     g = exp(1/T) in the well. The next order is relatively of the size of n B, as in `dilute_compressibility`.
+
+    density: n, in sigma^-d. temperature: T. width: lambda, above 1. dimension: d, 2 or 3, else KeyError. In epsilon;
+    the uncertainty is that of the next order.
     """
     shell = _sphere(dimension) * (width**dimension - 1)
     size = absolute_virial(temperature, width, dimension)
@@ -205,7 +238,10 @@ def dilute_energy(density: float, temperature: float, width: float, dimension: i
 
 
 def edge_ratio(temperature: float) -> float:
-    """g(lambda-)/g(lambda+) = exp(1/T), exact at any density: the cavity function is continuous."""
+    """g(lambda-)/g(lambda+) = exp(1/T), exact at any density: the cavity function is continuous.
+
+    temperature: T, in units of epsilon.
+    """
     return float(np.exp(1 / temperature))
 
 
@@ -216,12 +252,18 @@ def virial_compressibility(
 
     Exact. From -r phi' exp(-phi/T) = T (exp(1/T) delta(r - 1) - (exp(1/T) - 1) lambda delta(r - lambda)) times the
     cavity function.
+
+    density: n, in sigma^-d. core, inner, outer: g, without unit. width: lambda. dimension: d, 2 or 3, else KeyError.
     """
     return float(1 + _sphere(dimension) * density * (core - width**dimension * (inner - outer)))
 
 
 class StatePoint(NamedTuple):
-    """A simulated state: energy a particle, g at the core and on both sides of the edge, Z."""
+    """A simulated state, in the units of the top.
+
+    density: n. temperature: T. energy: potential, a particle. core: g at the core; inner, outer: g on both sides of the
+    edge. compressibility: Z.
+    """
 
     density: float
     temperature: float
@@ -253,7 +295,10 @@ STATES = (
 
 
 class CriticalPoint(NamedTuple):
-    """Critical temperature and density with their published errors."""
+    """Critical temperature and density with their published errors.
+
+    temperature: T. density: n. source: authors and year.
+    """
 
     temperature: Estimate
     density: Estimate

@@ -75,7 +75,10 @@ class SteppedContact(NamedTuple):
 
 
 class Errors(NamedTuple):
-    """Relative errors by the time step, or bounds on them: restitution, contact time (a mean), largest overlap."""
+    """Relative errors by the time step, or bounds on them.
+
+    restitution: of alpha. time: of the contact time, a mean. overlap: of the largest overlap.
+    """
 
     restitution: float
     time: float
@@ -85,8 +88,9 @@ class Errors(NamedTuple):
 def hooke_bounds(alpha: float, resolution: float) -> Errors:
     """Bounds for a contact in steps of dt/t_c = `resolution`: stepped against the closed form, and its ends.
 
-    alpha: restitution, above 0. The time is bounded without the counting of whole steps. The largest overlap is missed
-    by the half step to the nearest sample, h^2/8 of it, and leads the amplitude of the steps by as much.
+    The time is bounded without the counting of whole steps. The largest overlap is missed by the half step to the
+    nearest sample, h^2/8 of it, and leads the amplitude of the steps by as much. alpha: restitution, above 0, else
+    ValueError. resolution: without unit.
     """
     exact = HookeImpact(1.0, 1.0, 1.0, alpha)
     stepped = SteppedContact(damping(alpha), resolution * exact.contact_time)
@@ -104,6 +108,8 @@ def impact_bounds(impact: HookeImpact | HertzImpact, dt: float) -> Errors:
     Of "hertz": those of the linear contact that it is equivalent to, as stiff as at the largest overlap. There
     omega^2 = (5/4) k sqrt(R delta)/m (`soft_impact`), and less than that elsewhere. The time goes as the amplitude to
     the power -1/5, which in the end is off as much as restitution is.
+
+    impact: in any consistent units.
     """
     if isinstance(impact, HookeImpact):
         return hooke_bounds(impact.alpha, dt / impact.contact_time)
@@ -128,6 +134,8 @@ def growth_delay(c: float, growth: float, steps: int) -> float:
     Above it an eigenvalue is -(1 + d), d^2 + c h d = 2 h (h + c) epsilon at h (1 + epsilon), h the limit, to leading
     order in epsilon and d. The amplitude begins with a quarter of the speed or more. An upper bound: at c = 0, a double
     eigenvalue, the amplitude grows with the number of steps by itself. c: `damping` of the contact, at least 0.
+
+    growth: a factor above 1. steps: their number.
     """
     rate = math.log(4 * growth) / steps
     h = stability_limit(c)
@@ -165,6 +173,8 @@ def hard_rule_bounds(thetas: ArrayLike, contact: SoftContact, resolution: float)
 
     That is "history" with alpha = 1 and alpha_t = -1 (`soft_impact`): order 2, for without a dashpot no force jumps,
     and a half turn of the tangential spring ends with the contact. thetas: |u|/v, any shape; resolution: dt/t_c.
+
+    contact: mu finite.
     """
     step = math.pi * resolution
     return np.asarray(2 * step**2 * (np.asarray(thetas, dtype=np.float64) + contact.scale))
@@ -176,6 +186,8 @@ def sticking_bound(contact: SoftContact, resolution: float) -> float:
     A tangential spring is the leapfrog's oscillator: after N steps u' = u cos((N + 1/2) theta)/cos(theta/2),
     theta = arccos(alpha_t) dt/t_c to second order, and N steps last as long as the stepped contact but for one. A
     dashpot leaves u (1 + ln(alpha_t) dt/t_c)^N.
+
+    contact: mu infinite.
     """
     exact = HookeImpact(1.0, 1.0, 1.0, contact.alpha)
     stepped = SteppedContact(damping(contact.alpha), resolution * exact.contact_time)

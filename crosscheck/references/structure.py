@@ -1,6 +1,6 @@
 """Structure of fluids of hard disks: long density waves, and neighbours within a short distance.
 
-Literature: J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, sections 2.6, 3.5.
+Literature: J.-P. Hansen and I. R. McDonald, Theory of Simple Liquids, 3rd ed. (2006), sections 2.6, 3.5.
 """
 
 from __future__ import annotations

@@ -21,10 +21,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ThreeBodies:
-    """Masses, the states at time 0 and at `time`; `energy` and the angular momentum, which is zero, are conserved.
+    """The states of three bodies in a plane at time 0 and at a later time; G = 1.
 
-    sensitivity, greatest: of the final state to relative errors in the components x_k of the state at time t,
-    (sum_jk (d x_j(T)/d x_k(t) x_k(t))^2)^(1/2): its root mean square over the time, and its maximum.
+    masses: (3,). positions, velocities: (3, 2), at time 0. time: the later one. final_positions, final_velocities: (3,
+    2), then. energy: total, conserved; so is the angular momentum, which is zero. sensitivity, greatest: of the final
+    state to relative errors in the components x_k of the state at time t, (sum_jk (d x_j(T)/d x_k(t) x_k(t))^2)^(1/2):
+    its root mean square over the time, and its maximum.
     """
 
     masses: tuple[float, float, float]
@@ -40,7 +42,7 @@ class ThreeBodies:
     def rounding_error(self, steps: float, even: bool = True) -> float:
         """Standard deviation of the final state if every step rounds every component independently.
 
-        even: steps of one length; else they may all be where the motion is most sensitive.
+        steps: their number. even: steps of one length; else they may all be where the motion is most sensitive.
         """
         return (self.sensitivity if even else self.greatest) * EPSILON / 12**0.5 * steps**0.5
 
@@ -104,12 +106,18 @@ PYTHAGOREAN = ThreeBodies(
 
 
 def energy(masses: Floats, r: Floats, v: Floats) -> Floats:
-    """Kinetic minus sum over pairs of m_i m_j/r_ij; r, v of shape (..., N, d)."""
+    """Kinetic energy minus the sum over pairs of m_i m_j/r_ij, by its definition.
+
+    masses: (N,). r, v: positions and velocities, (..., N, d). Gives (...,); G = 1.
+    """
     kinetic = 0.5 * (masses[:, None] * v * v).sum((-1, -2))
     i, j = np.triu_indices(masses.size, 1)
     return np.asarray(kinetic - (masses[i] * masses[j] / np.linalg.norm(r[..., i, :] - r[..., j, :], axis=-1)).sum(-1))
 
 
 def angular_momentum(masses: Floats, r: Floats, v: Floats) -> Floats:
-    """Sum of m r x v; r, v of shape (..., N, 2)."""
+    """Sum of m r x v, by its definition.
+
+    masses: (N,). r, v: positions and velocities, (..., N, 2). Gives (...,); G = 1.
+    """
     return np.asarray((masses * (r[..., 0] * v[..., 1] - r[..., 1] * v[..., 0])).sum(-1))

@@ -39,6 +39,9 @@ def friction(
     distance of the centres at contact, g the bath's density there over n: 2 n s g sqrt(2 pi mu T) for disks, (8/3) n
     s^2 g sqrt(2 pi mu T) for spheres. For M >> m the whole decay is exp(-gamma t) in Enskog's theory; in a dense bath
     recollisions and the backflow (Stokes) lower gamma.
+
+    density: n, 1/length^d. distance: s, length. mass: m, tracer_mass: M. dimension: d, 2 or 3, else ValueError.
+    temperature: T, energy. contact: g. Any consistent units; gives 1/time.
     """
     demand_dimension(dimension)
     mu = mass * tracer_mass / (mass + tracer_mass)
@@ -61,6 +64,9 @@ def enskog_diffusion(
     is that of g, not of the theory: an infinite system of spheres diffuses 37 % faster than D_E at n = 0.5 and 17 %
     slower at n = 0.9; in two dimensions D grows without bound with the box (long-time tails) and the dilute limit only
     is sharp.
+
+    eta: packing fraction. dimension: 2 or 3. temperature: T, energy. mass: m. diameter: sigma, length. sonine: whether
+    to multiply by the Sonine factor. Any consistent units; gives length^2/time. ValueError as `compressibility`.
     """
     n, g = number_density(eta, dimension, diameter), contact_value(eta, dimension)
     heavy = friction(n, diameter, mass, mass, dimension, temperature, g.value)
@@ -72,6 +78,9 @@ def enskog_viscosity(eta: float, temperature: float = 1.0, mass: float = 1.0, di
     """Shear viscosity of spheres in Enskog's theory, first approximation times 1.016 (Chapman and Cowling).
 
     (5/16 sigma^2) sqrt(m T/pi) b (1/(b g) + 4/5 + 0.7614 b g), b = 4 eta; within some 5 % for n <= 0.7.
+
+    eta: packing fraction, above 0. temperature: T, energy. mass: m. diameter: sigma, length. Any consistent units;
+    gives mass/(length time). ValueError as `sphere_compressibility`.
     """
     b = 4 * eta
     bg = b * contact_value(eta, 3).value
@@ -91,9 +100,11 @@ NIST_DIFFUSION = (
 
 
 def periodic_diffusion_shift(density: float, number: float) -> float:
-    """What D of spheres in a periodic cube lacks against an infinite system: 2.837297 T/(6 pi viscosity L).
+    """By how much D of spheres in a periodic cube is below that without bounds: 2.837297 T/(6 pi viscosity L).
 
     Yeh and Hummer; the box must be long against the mean free path. T = m = sigma = 1, viscosity from Enskog's theory.
+
+    density: n, 1/length^3. number: N; infinity gives 0.
     """
     if number == inf:
         return 0.0
@@ -109,6 +120,8 @@ def sphere_diffusion(density: float, number: float = inf) -> Estimate:
     0.5, 0.7, against 0.490, 0.222, 0.098. Uncertainty: quoted error, 20 % of the difference of the shifts (Enskog's
     viscosity, higher orders in 1/L: 16 % found at n = 0.3) and, off the table's densities, 1 % of D.
     ValueError outside the densities.
+
+    density: n, 1/length^3 in diameters. number: N, of spheres.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -129,7 +142,10 @@ def sphere_diffusion(density: float, number: float = inf) -> Estimate:
 
 
 def velocity_decay_time(density: float) -> float:
-    """Time in which a sphere forgets its velocity: m D/T in Enskog's theory, T = m = sigma = 1."""
+    """Decay time of a sphere's velocity autocorrelation, m D/T in Enskog's theory, T = m = sigma = 1.
+
+    density: n, 1/length^3 in diameters.
+    """
     return enskog_diffusion(packing_fraction(density, 3), 3).value
 
 
@@ -137,19 +153,25 @@ def shear_decay_time(density: float, number: int) -> float:
     """Decay time L^2/(4 pi^2 nu) of the longest shear wave of N spheres in a periodic cube, T = m = sigma = 1.
 
     The kinematic viscosity nu is Enskog's viscosity over the mass density.
+
+    density: n, 1/length^3 in diameters. number: N.
     """
     eta = packing_fraction(density, 3)
     return float((number / density) ** (2 / 3) / (4 * np.pi**2 * enskog_viscosity(eta) / density))
 
 
 def slip_friction(viscosity: float, radius: float) -> float:
-    """Force over velocity of a sphere on whose surface the fluid slips: 4 pi viscosity R (Hansen and McDonald)."""
+    """Force over velocity of a sphere on whose surface the fluid slips: 4 pi viscosity R (Hansen and McDonald).
+
+    viscosity: mass/(length time). radius: R, length. Gives mass/time.
+    """
     return float(4 * np.pi * viscosity * radius)
 
 
 def friction_in_series(gamma: float, tracer_mass: float, slip: float) -> float:
-    """Decay rate zeta/M of a tracer whose bath flows along: 1/zeta = 1/(gamma M) + 1/slip.
+    """Decay rate zeta/M of a tracer whose bath flows along: 1/zeta = 1/(gamma M) + 1/slip, an estimate.
 
-    gamma: Enskog's rate, `friction`; slip: `slip_friction` for the distance at contact as the radius.
+    gamma: Enskog's rate, `friction`, 1/time; tracer_mass: M; slip: `slip_friction` for the distance at contact as the
+    radius, mass/time.
     """
     return gamma / (1 + gamma * tracer_mass / slip)

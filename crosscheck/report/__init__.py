@@ -1,1 +1,1 @@
-"""What people and machines read after a run: one HTML file, JUnit XML."""
+"""The reports of a run: one HTML file, and JUnit XML."""

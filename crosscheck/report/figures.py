@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 #: Colours of the curves on a light and on a dark page: each stands out from its background by 3:1 or more, and from its
-#: neighbours in lightness too, for those who see fewer hues. The template turns them into CSS variables --c0, --c1, ...
+#: neighbours in lightness too, for readers who see fewer hues. The template turns them into the CSS
+#: variables --c0, --c1, ...
 PALETTE: tuple[tuple[str, str], ...] = (
     ("#0067a8", "#58b4f0"),
     ("#d04f00", "#ff9a52"),
@@ -66,9 +67,10 @@ _MARKED = 60
 
 @dataclass(frozen=True)
 class Curve:
-    """One series of one verdict. name: what the legend calls it, the same for all engines.
+    """One series of one verdict.
 
-    bins: x holds the edges of a histogram, one more than y.
+    name: what the legend calls it, the same for all engines. engine: its name. x, y: the points; bins: x holds the
+    edges of a histogram, one more than y. error: standard errors of y, or None. theory: whether it is what is expected.
     """
 
     name: str
@@ -86,14 +88,21 @@ class Curve:
         return list(zip(x, self.y, strict=True))
 
     def outline(self, base: float) -> tuple[list[float], list[float]]:
-        """The corners of a histogram that stands on `base`."""
+        """The corners of a histogram that stands on `base`.
+
+        base: in the units of y. Gives x and y of the corners.
+        """
         x = [edge for edge in self.x for _ in range(2)]
         return x, [base, *(height for height in self.y for _ in range(2)), base]
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes with the curves of all verdicts whose figures have this title."""
+    """One set of axes with the curves of all verdicts whose figures have this title.
+
+    title: of the figure. x_label, y_label: with the units. x_scale, y_scale: "linear" or "log". curves: in the order of
+    the record.
+    """
 
     title: str
     x_label: str
@@ -104,12 +113,16 @@ class Panel:
 
     @property
     def engines(self) -> list[str]:
+        """The engines that have a curve here, in the order of the report."""
         return sorted({curve.engine for curve in self.curves if not curve.theory}, key=engine_order)
 
 
 @dataclass(frozen=True)
 class Key:
-    """One entry of a legend: its text, the class of its curves in the SVG, and its sample as SVG."""
+    """One entry of a legend.
+
+    text: what it says. group: the class of its curves in the SVG. sample: of its line or marker, as SVG.
+    """
 
     text: str
     group: str
@@ -118,7 +131,11 @@ class Key:
 
 @dataclass(frozen=True)
 class Drawing:
-    """failed: number of points drawn at the edge. remarks: what else the reader must know, a sentence each."""
+    """One figure as the page shows it.
+
+    title: its caption. svg: the figure. curves, engines: the entries of its legend. failed: number of points drawn at
+    the edge. remarks: what else the reader must know, a sentence each.
+    """
 
     title: str
     svg: str
@@ -132,7 +149,10 @@ class Drawing:
 
 
 def panels(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Panel]:
-    """The curves of the verdicts of one check, merged by title, in the order of their first appearance."""
+    """The curves of the verdicts of one check, merged by title, in the order of their first appearance.
+
+    lines: of the record. variant: gives the name of the variant of a line.
+    """
     merged: dict[str, tuple[dict[str, Any], list[tuple[Line, dict[str, Any]]]]] = {}
     for line in sorted(lines, key=lambda line: (case_name(line), engine_order(line["engine"]))):
         for figure in line.get("figures") or ():
@@ -172,7 +192,10 @@ def _curves(series: list[tuple[Line, dict[str, Any]]], variant: Callable[[Line],
 
 
 def qualified(label: str, variant: str) -> str:
-    """The label with its variant, once: a word of the one that is the other is not said again."""
+    """The label with its variant, "label, variant", but for the case that one of them is a word of the other.
+
+    label: of a curve or a picture. variant: of its verdict.
+    """
     if variant in re.split(r"[\s,:]+", label):
         return label
     return variant if label in re.split(r"[\s,:]+", variant) else f"{label}, {variant}"
@@ -188,7 +211,10 @@ def _same(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
 
 
 def curve_numbers(group: Iterable[Panel]) -> dict[str, int]:
-    """Name -> number, which fixes colour and dashes: the same scheme looks the same in all panels of a group."""
+    """Name -> number, which fixes colour and dashes: the same scheme looks the same in all panels of a group.
+
+    group: the panels.
+    """
     names = {curve.name for panel in group for curve in panel.curves if not curve.theory}
     return {name: number for number, name in enumerate(sorted(names))}
 
@@ -203,7 +229,10 @@ def _markers(group: Iterable[str]) -> dict[str, str]:
 
 
 def draw(panel: Panel, numbers: dict[str, int], prefix: str) -> Drawing:
-    """The panel as SVG. numbers: of `curve_numbers`. prefix: makes its ids unique in the page."""
+    """The panel as SVG.
+
+    panel: what to draw. numbers: of `curve_numbers`. prefix: makes its ids unique in the page.
+    """
     markers = _markers(panel.engines)
     height = _TALL if len(panel.curves) > _CROWD else _HEIGHT
     with style():
@@ -239,7 +268,10 @@ def style() -> AbstractContextManager[None]:
 
 
 def sheet(height: float) -> Figure:
-    """An empty figure of the width of the page, in units of the SVG."""
+    """An empty figure of the width of the page.
+
+    height: in units of the SVG, as `WIDTH`.
+    """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
@@ -249,6 +281,10 @@ def sheet(height: float) -> Figure:
 
 
 def to_svg(figure: Figure, title: str, prefix: str) -> str:
+    """The figure as SVG that can stand within a page.
+
+    figure: made and written under `style`. title: what screen readers say. prefix: makes its ids unique in the page.
+    """
     file = io.StringIO()
     nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
     figure.savefig(file, format="svg", metadata=nothing)
@@ -288,7 +324,7 @@ def _ticks_and_limits(axis: Axis, scale: str, values: list[float]) -> tuple[floa
         logs = sorted(math.log10(value) for value in values if value > 0)
         low, high = (logs[0], logs[-1]) if logs else (0.0, 1.0)
         if high - low > _DECADES:
-            # the bulk of the points decides what is seen, not the one that ran away
+            # the limits follow the median of the points, not a few far ones
             low = max(low, logs[len(logs) // 2] - _DECADES / 2)
             high = min(high, low + _DECADES)
         margin = 0.04 * (high - low) or 0.3

@@ -1,4 +1,4 @@
-"""One self-contained HTML file from a record: what failed first, then per check a figure, numbers and their sources."""
+"""One self-contained HTML file from a record: failures first, then each check with figures, numbers and sources."""
 
 from __future__ import annotations
 
@@ -35,7 +35,11 @@ _OLD_FULL = "-full"
 
 @dataclass(frozen=True)
 class Criterion:
-    """A criterion of a section. number: in the section, from 1. cases: the verdicts that are judged by it."""
+    """A criterion of a section.
+
+    number: in the section, from 1. kind: of `crosscheck.verdict`. why: its reason, for the reader. cases: the verdicts
+    that are judged by it.
+    """
 
     number: int
     kind: str
@@ -45,9 +49,11 @@ class Criterion:
 
 @dataclass
 class Section:
-    """A check with its verdicts. check: None if this version has none of that name.
+    """A check with its verdicts.
 
-    After an older version, whose name of a check ended in "-full", it is the check without that ending.
+    name: of the check. check: None if this version has none of that name. After an older version, whose name of a check
+    ended in "-full", it is the check without that ending. anchor: the section's id in the page. lines: its verdicts.
+    drawings: its figures.
     """
 
     name: str
@@ -58,14 +64,17 @@ class Section:
 
     @property
     def outcomes(self) -> list[tuple[str, int]]:
+        """Outcomes and how often they occur, the worst first."""
         return _tally(self.lines)
 
     @property
     def worst(self) -> str:
+        """The worst outcome."""
         return min((line["outcome"] for line in self.lines), key=OUTCOMES.index)
 
     @cached_property
     def quantities(self) -> list[str]:
+        """The quantities that are judged, each once."""
         return list(dict.fromkeys(one["quantity"] for line in self.lines for one in line["judgements"]))
 
     @cached_property
@@ -83,18 +92,28 @@ class Section:
 
     @property
     def criteria(self) -> list[Criterion]:
+        """The criteria, in the order of their numbers."""
         return list(self._criteria.values())
 
     def criterion(self, judgement: dict[str, Any]) -> Criterion:
-        """The criterion of a judgement of this section."""
+        """The criterion of a judgement of this section; KeyError if it has none such.
+
+        judgement: as the record keeps it.
+        """
         return self._criteria[judgement["criterion"]["kind"], judgement["criterion"]["why"]]
 
     def criteria_of(self, judgements: list[dict[str, Any]]) -> list[Criterion]:
-        """The criteria of some judgements, each once."""
+        """The criteria of some judgements of this section, each once.
+
+        judgements: as the record keeps them.
+        """
         return list({criterion.number: criterion for criterion in map(self.criterion, judgements)}.values())
 
     def variant(self, line: Line) -> str:
-        """The variant, or the check's name where there is none."""
+        """The variant of a line, or the check's name where there is none.
+
+        line: of the record.
+        """
         return str(line["variant"] or line["check"])
 
     @property
@@ -107,7 +126,10 @@ class Section:
 
 
 def write_report(directory: Path) -> Path:
-    """Writes `directory/report.html` from the record in it, and returns its path. UsageError if there is no record."""
+    """Writes `directory/report.html` and returns its path.
+
+    directory: of a run, with its record. UsageError if there is none.
+    """
     lines = read(directory)
     path = directory / FILE
     path.write_text(render(lines, directory.resolve().name), encoding="utf-8")
@@ -115,7 +137,10 @@ def write_report(directory: Path) -> Path:
 
 
 def render(lines: list[Line], title: str) -> str:
-    """The report as text; the same lines give the same text."""
+    """The report as HTML; the same lines give the same text.
+
+    lines: of the record. title: of the page.
+    """
     import jinja2
 
     sections = _sections(lines)

@@ -1,4 +1,4 @@
-"""JUnit XML: one test case a verdict, for the machines that show test results."""
+"""JUnit XML: one test case a verdict, for tools that show test results."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 
 def write_junit(lines: Iterable[Line], path: Path) -> None:
-    """Writes one test suite; a failed verdict is a failure, an inconclusive one is skipped, with its reason."""
+    """Writes one test suite; a failed verdict is a failure, an inconclusive one is skipped, with its reason.
+
+    lines: of the record. path: the file to write.
+    """
     cases = [_case(line) for line in lines]
     found = [child.tag for case in cases for child in case]
     totals: dict[str, str] = {

@@ -12,12 +12,15 @@ ABSENT = "–"
 
 
 def _tidy(text: str) -> str:
-    """1e-05 -> 1e-5, 1e+20 -> 1e20, and a true minus sign nowhere: numbers stay fit to be copied."""
+    """1e-05 -> 1e-5, 1e+20 -> 1e20, with an ASCII minus sign: numbers can be copied into code."""
     return re.sub(r"e([+-])0*(\d+)", lambda m: "e" + m[1].replace("+", "") + m[2], text)
 
 
 def plain(value: float | None, digits: int = 4) -> str:
-    """`digits` significant digits, whole numbers in full."""
+    """Significant digits, whole numbers below a million in full.
+
+    value: the number; None gives `ABSENT`. digits: how many.
+    """
     if value is None:
         return ABSENT
     if not math.isfinite(value):
@@ -28,7 +31,10 @@ def plain(value: float | None, digits: int = 4) -> str:
 
 
 def to_tolerance(value: float | None, tolerance: float | None) -> str:
-    """As many digits as it takes to see a tenth of the tolerance, at least three."""
+    """As many digits as it takes to see a tenth of the tolerance, at least three.
+
+    value: the number. tolerance: absolute, in its unit. `plain` where one of them is missing, zero or not finite.
+    """
     if value is None or not tolerance or not math.isfinite(tolerance) or not value or not math.isfinite(value):
         return plain(value)
     digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(abs(tolerance))) + 2
@@ -36,7 +42,10 @@ def to_tolerance(value: float | None, tolerance: float | None) -> str:
 
 
 def with_uncertainty(value: float | None, uncertainty: float | None) -> str:
-    """Value and standard uncertainty, of which two digits, in brackets: 1.2345(67), 1.20(35)e-14."""
+    """Value and standard uncertainty, of which two digits, in brackets: 1.2345(67), 1.20(35)e-14.
+
+    value: the number. uncertainty: absolute, in its unit. `plain` where one of them is missing or not finite.
+    """
     if value is None or not uncertainty or not math.isfinite(uncertainty) or not math.isfinite(value):
         return plain(value)
     # the uncertainty rounded first: 0.0996 is 10e-2, one place coarser than 9.96e-2
@@ -51,7 +60,10 @@ def with_uncertainty(value: float | None, uncertainty: float | None) -> str:
 
 
 def seconds(value: float | None) -> str:
-    """A duration: 12 ms, 3.4 s, 5 min 06 s, 1 h 02 min."""
+    """A duration: 12 ms, 3.4 s, 5 min 06 s, 1 h 02 min.
+
+    value: in seconds; None gives `ABSENT`.
+    """
     if value is None:
         return ABSENT
     if value < 0.1:
@@ -65,7 +77,10 @@ def seconds(value: float | None) -> str:
 
 
 def count(value: float | None) -> str:
-    """A number of evaluations: 1200, 3.4e6."""
+    """A number of evaluations: 1200, 3.4e6.
+
+    value: the number; None and 0 give `ABSENT`.
+    """
     if not value:
         return ABSENT
     return f"{value:.0f}" if value < 1e5 else _tidy(f"{value:.2e}")
@@ -78,7 +93,10 @@ Judgement = Mapping[str, Any]
 
 
 def measured(judgement: Judgement | None) -> str:
-    """What was measured, with its uncertainty, or with the digits that its tolerance asks for."""
+    """What was measured, with its uncertainty, or with the digits that its tolerance asks for.
+
+    judgement: as the record keeps it; None gives `ABSENT`.
+    """
     if judgement is None:
         return ABSENT
     if judgement["measured"] is None:
@@ -89,7 +107,10 @@ def measured(judgement: Judgement | None) -> str:
 
 
 def expected(judgement: Judgement | None) -> str:
-    """The reference value with its uncertainty, or the limit of a bound with its sense."""
+    """The reference value with its uncertainty, or the limit of a bound with its sense.
+
+    judgement: as the record keeps it; None gives `ABSENT`.
+    """
     if judgement is None:
         return ABSENT
     criterion, value = judgement["criterion"], judgement["expected"]
@@ -102,7 +123,10 @@ def expected(judgement: Judgement | None) -> str:
 
 
 def deviation(judgement: Judgement | None) -> str:
-    """In sigma or in tolerances."""
+    """The deviation in standard uncertainties or in tolerances.
+
+    judgement: as the record keeps it; None gives `ABSENT`.
+    """
     if judgement is None:
         return ABSENT
     statistical = judgement["criterion"]["kind"] == "statistical"
@@ -113,7 +137,10 @@ def deviation(judgement: Judgement | None) -> str:
 
 
 def sensitivity(judgement: Judgement | None) -> str:
-    """The smallest deviation that would have been red, relative where there is something to relate it to."""
+    """The smallest deviation that would have failed, relative unless zero is expected.
+
+    judgement: as the record keeps it; None, or one without a sensitivity, gives `ABSENT`.
+    """
     if judgement is None or judgement["sensitivity"] is None:
         return ABSENT
     return f"{plain(judgement['sensitivity'], 2)}{'' if judgement['expected'] else ' abs.'}"

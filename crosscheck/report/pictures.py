@@ -1,8 +1,8 @@
 """Pictures of particles and of fields, to one scale on both axes, with a colour bar: inline SVG like the curves.
 
-What is seen of the particles, and in which colour, says `crosscheck.painter`. Frame and ticks are matplotlib's; the
-content is written here, in tenths of a unit of the SVG. A particle is a stroke of no length with a round cap, 12 bytes
-where a circle takes 36. A field is an image of a pixel a cell.
+Which particles are drawn, and in which colour, is decided in `crosscheck.painter`. Frame and ticks are matplotlib's;
+the content is written here, in tenths of a unit of the SVG. A particle is a stroke of no length with a round cap, 12
+bytes where a circle takes 36. A field is an image of a pixel a cell.
 """
 
 from __future__ import annotations
@@ -54,7 +54,10 @@ _ARROW, _HEAD_ANGLE, _HEAD = 1.4, 0.45, 3.5
 
 @dataclass(frozen=True)
 class Picture:
-    """A snapshot or a map (the other one is None) of one verdict, as the record has it, with its caption."""
+    """A snapshot or a map of one verdict, as the record has it; the other one is None.
+
+    title: the caption. x_label, y_label: of the axes, with the units. snapshot: of particles. map: of a field.
+    """
 
     title: str
     x_label: str
@@ -64,7 +67,10 @@ class Picture:
 
 
 def pictures(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Picture]:
-    """Snapshots and maps of the verdicts of one check; captions that would be equal get the variant or the engine."""
+    """Snapshots and maps of the verdicts of one check; captions that would be equal get the variant or the engine.
+
+    lines: of the record. variant: gives the name of the variant of a line.
+    """
     ordered = sorted(lines, key=lambda line: (case_name(line), engine_order(line["engine"])))
     found = [
         (line, figure)
@@ -90,7 +96,10 @@ def pictures(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Pict
 
 
 def draw(picture: Picture, prefix: str) -> Drawing:
-    """The picture as SVG. prefix: makes its ids unique in the page."""
+    """The picture as SVG.
+
+    picture: what to draw. prefix: makes its ids unique in the page.
+    """
     if picture.snapshot is not None:
         return _draw_snapshot(picture, picture.snapshot, prefix)
     assert picture.map is not None
@@ -116,10 +125,12 @@ class Layout:
 
     @property
     def width(self) -> float:
+        """Width of the picture, in SVG units."""
         return (self.view[1] - self.view[0]) * self.scale
 
     @property
     def height(self) -> float:
+        """Height of the picture, in SVG units."""
         return (self.view[3] - self.view[2]) * self.scale
 
     @property
@@ -133,7 +144,10 @@ class Layout:
         return math.ceil(_TOP + self.area + _BOTTOM)
 
     def at(self, x: float, y: float) -> tuple[int, int]:
-        """A point in tenths of an SVG unit."""
+        """A point in tenths of an SVG unit.
+
+        x, y: in units of the scene.
+        """
         left, _, _, top = self.view
         return round(10 * (self.left + (x - left) * self.scale)), round(10 * (self.top + (top - y) * self.scale))
 

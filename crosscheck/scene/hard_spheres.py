@@ -30,7 +30,7 @@ TOUCHING = 1e-9
 
 
 def refuse_hard_spheres_entries(scene: SceneEntries) -> None:
-    """ValueError if an entry that only hard spheres have is given in a scene of another interaction."""
+    """ValueError if an entry that only hard spheres have is given. scene: all entries, of another interaction."""
     box, output, initial = scene.box, scene.output, scene.initial
     entries = {
         "acceleration": scene.acceleration is not None,
@@ -50,7 +50,10 @@ def refuse_hard_spheres_entries(scene: SceneEntries) -> None:
 
 
 def check_hard_spheres(scene: SceneEntries, spheres: HardSpheres) -> None:
-    """ValueError if entries of a scene of hard spheres contradict each other. spheres: its table [hard_spheres]."""
+    """ValueError if entries of a scene of hard spheres contradict each other.
+
+    scene: all entries. spheres: the table [hard_spheres].
+    """
     if scene.acceleration is not None:
         if len(scene.acceleration) != scene.dimension:
             raise ValueError(f"acceleration needs {scene.dimension} components, found {len(scene.acceleration)}")
@@ -111,7 +114,7 @@ def _check_walls(scene: SceneEntries, box: Box) -> None:
 
 def _check_wall_friction(scene: SceneEntries, where: str, friction: Friction | None) -> None:
     if friction is not None and scene.spin_dimension == 0:
-        raise ValueError(f"{where}.friction: smooth grains do not rub on walls: add [hard_spheres.friction]")
+        raise ValueError(f"{where}.friction: smooth grains have no friction at walls: add [hard_spheres.friction]")
 
 
 def _check_cylinder(scene: SceneEntries, cylinder: Cylinder) -> None:
@@ -151,8 +154,8 @@ def check_hard_state(
 ) -> None:
     """UsageError if particles overlap, are beyond a wall, or are fixed but have a velocity, or if the box is too small.
 
-    spheres: the table [hard_spheres] of the scene. state: the initial state. fixed: (N,), particles that never move.
-    periods: sides of the box along periodic axes, 0 along the others, (d,), length.
+    scene: all entries. spheres: the table [hard_spheres]. state: the initial state. fixed: (N,), particles that never
+    move. periods: sides of the box along periodic axes, 0 along the others, (d,), length.
     """
     assert state.diameters is not None
     for name, vectors in (("velocities", state.velocities), ("angular_velocities", state.angular_velocities)):

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 
 def check_lattice_gas(scene: SceneEntries) -> None:
-    """ValueError if entries of a lattice gas contradict each other, or are given in a scene without one."""
+    """ValueError if entries of a lattice gas contradict each other, or are given in a scene without one.
+
+    scene: all entries of the scene.
+    """
     gas, output = scene.lattice_gas, scene.output
     if gas is None:
         if isinstance(scene.initial, Occupations):
@@ -94,7 +97,7 @@ def _check_reversals(scene: SceneEntries, gas: LatticeGas, model: Model) -> None
 
 
 def gas_model(scene: SceneEntries) -> Model:
-    """The collision model of the scene's lattice gas."""
+    """The collision model of the lattice gas of `scene`."""
     from refimpl.lattice.models import MODELS
 
     assert scene.lattice_gas is not None
@@ -102,7 +105,7 @@ def gas_model(scene: SceneEntries) -> Model:
 
 
 def wall_rules(scene: SceneEntries) -> NDArray[np.uint8] | None:
-    """Rules of the wall sites, (rows, columns), the constants of `refimpl.lattice.gas`; 0: no wall.
+    """Rules of the wall sites of `scene`, (rows, columns), the constants of `refimpl.lattice.gas`; 0: no wall.
 
     None without obstacles; where they overlap, the last one counts. UsageError if one is not on the lattice.
     """
@@ -155,9 +158,9 @@ def _profile(initial: Occupations, name: str, x: Floats, y: Floats) -> Floats:
 
 
 def initial_occupations(scene: SceneEntries) -> Floats:
-    """Mean occupations of the channels, (rows, columns, channels), 0 at walls.
+    """Mean occupations of the channels of `scene` at the start, (rows, columns, channels), 0 at walls.
 
-    UsageError if there are no occupations between 0 and 1 with the density and velocity of some site.
+    UsageError if no occupations between 0 and 1 have the density and velocity of some site.
     """
     walls, f = wall_rules(scene), _occupations(scene)
     return f if walls is None else np.where(walls[..., None] > 0, 0.0, f)
@@ -188,7 +191,7 @@ def _occupations(scene: SceneEntries) -> Floats:
 
 
 def initial_sites(scene: SceneEntries) -> NDArray[np.uint8]:
-    """States of the sites, (rows, columns): bit i says that channel i is occupied.
+    """States of the sites of `scene` at the start, (rows, columns): bit i says that channel i is occupied.
 
     Wall sites start empty; with `cells` they are filled like the others. UsageError as from `initial_occupations`.
     """

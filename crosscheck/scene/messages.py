@@ -18,10 +18,11 @@ _ONE, _LIST = ("constrained-float", "float"), ("tuple[constrained-float, ...]", 
 def explain(error: ValidationError, where: str, scene: type[Part]) -> str:
     """A line for each mistake: the path of the key, what is wrong, and how to mend it.
 
-    where: what every line starts with, such as the path of a file. scene: the model that was validated.
+    error: as pydantic raised it. where: what every line starts with, such as the path of a file. scene: the model that
+    was validated.
     """
     lines: list[str] = []
-    meant: set[str] = set()
+    suggested: set[str] = set()
     kinds = [table.path for table in tables(scene) if "kind" in table.part.model_fields]
     # unknown keys first: a key that is misspelt is not reported as missing too
     for problem in sorted(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden"):
@@ -36,10 +37,10 @@ def explain(error: ValidationError, where: str, scene: type[Part]) -> str:
         path = ".".join(keys)
         if kind == "extra_forbidden":
             near, hint = _hint(str(last), place[:-1], tables(scene))
-            meant.add(".".join([*keys[:-1], near]))
+            suggested.add(".".join([*keys[:-1], near]))
             lines.append(f"unknown key '{path}'; {hint}")
         elif kind == "missing":
-            if path not in meant:
+            if path not in suggested:
                 lines.append(f"'{path}' is missing: add it")
         elif kind in ("union_tag_not_found", "union_tag_invalid"):
             names = ", ".join(names[-1] for names in kinds if names[:-1] == place)

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[Any]
 
-#: Of what an observable is: of any scene, of particles that have positions, of those with smooth forces, of hard
-#: particles (run soft or not), of a lattice gas.
+#: The matter of an observable: of which scenes it is one. Of any; of those with particles; of those with smooth forces;
+#: of hard spheres (soft contacts or not); of lattice gases.
 Matter = Literal["any", "particles", "smooth_particles", "hard_spheres", "lattice_gas"]
 #: How a scene asks for it: not at all (every run has it), by `output.trajectory`, `output.forces`, `output.fields`, or
 #: by its name in `output.observables`.
@@ -52,10 +52,11 @@ OPERATIONS = (
 class Observable:
     """One row of the table.
 
-    name: in a run, `run[name]`. matter: of what. axes: of its array, names of `AXIS_NAMES`. unit: in terms of the
+    name: in a run, `run[name]`. matter: see `Matter`. axes: of its array, names of `AXIS_NAMES`. unit: in terms of the
     scene's own units. meaning: one sentence, with the equation. cumulative: summed or integrated from the start of the
-    run to the sample; else of the moment. asked: how a scene asks for it. refusable: an engine need not have it; what
-    is not refusable every engine returns. requires: a word of the scene without which it has no meaning, and why.
+    run to the sample; else the value at the sample. asked: how a scene asks for it. refusable: an engine need not
+    measure it; if false, every engine returns it. requires: a table of the scene without which it has no meaning, and
+    why.
     derive: (masses (N,), samples by name) -> array, of an observable that follows from the samples `needs`; None:
     measured by the engine.
     """
@@ -86,7 +87,7 @@ def _field(name: str, axes: tuple[str, ...], unit: str, meaning: str, *, cumulat
     return Observable(name, "hard_spheres", axes, unit, meaning, cumulative, asked="fields")
 
 
-#: Requirement of what rotates.
+#: What observables of the rotation require.
 FRICTION = ("hard_spheres.friction", "smooth grains do not rotate")
 _CYLINDER = ("box.cylinder", "there is no axis to turn about")
 _STATES = ("sample", "particle", "axis")
@@ -172,14 +173,15 @@ NAMED: tuple[str, ...] = tuple(row.name for row in _ROWS if row.asked == "observ
 
 
 def named(matter: Matter) -> tuple[str, ...]:
-    """Names that `output.observables` may hold for this matter."""
+    """Names that `output.observables` may hold of this matter alone."""
     return tuple(name for name in NAMED if TABLE[name].matter == matter)
 
 
 def asked_for(matters: tuple[Matter, ...], observables: tuple[str, ...], **switches: bool) -> dict[str, Observable]:
-    """The rows that a scene with these matters asks for, in the order of the table.
+    """The rows of the table that a scene asks for, by name, in the order of the table.
 
-    observables: names in `output.observables`; switches: whether trajectory, forces and fields are asked for.
+    matters: those of the scene. observables: names in `output.observables`. switches: trajectory, forces, fields:
+    whether they are asked for.
     """
     return {
         row.name: row
@@ -190,5 +192,5 @@ def asked_for(matters: tuple[Matter, ...], observables: tuple[str, ...], **switc
 
 
 def lengths(axes: tuple[str, ...], sizes: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
-    """Shape of an array with these axes; sizes: of each axis, several numbers for a grid."""
+    """Shape of an array with these axes. sizes: numbers of elements along each axis by name, several for a grid."""
     return tuple(int(n) for axis in axes for n in sizes[axis])

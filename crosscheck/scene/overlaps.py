@@ -1,5 +1,4 @@
-"""Search for overlapping hard particles in k-d trees, one for each class of sizes; its time is about proportional to
-N."""
+"""Search for overlapping hard particles in k-d trees, one for each class of sizes, in a time of about order N."""
 
 from __future__ import annotations
 
@@ -17,7 +16,10 @@ _FEW = 1000
 
 
 class Overlap(NamedTuple):
-    """Particles i < j whose centres are `distance` apart, less than their `contact` distance (both in length)."""
+    """Particles i < j whose distance is less than their contact distance.
+
+    i, j: their indices. distance: of their centres, length. contact: mean of their diameters, length.
+    """
 
     i: int
     j: int
@@ -36,7 +38,7 @@ class _Class(NamedTuple):
 
 
 def wrapped(positions: Floats, periods: Floats) -> Floats:
-    """The positions, (N, d), with periodic coordinates mapped into [0, period), as k-d trees require.
+    """The positions, (N, d), length, with periodic coordinates mapped into [0, period), as k-d trees require.
 
     periods: (d,), length; 0 along axes that are not periodic, whose coordinates stay as they are.
     """

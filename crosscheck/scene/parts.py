@@ -117,7 +117,7 @@ class HardSpheres(Interaction):
     @model_validator(mode="after")
     def _consistent(self) -> HardSpheres:
         if self.friction is not None and 0.0 in np.atleast_1d(self.diameter):
-            raise ValueError("diameter = 0 with [hard_spheres.friction]: a point has no surface to rub: remove one")
+            raise ValueError("diameter = 0 with [hard_spheres.friction]: a point has no friction: remove one of them")
         return self
 
 
@@ -203,7 +203,8 @@ class Cylinder(Part):
     def _consistent(self) -> Cylinder:
         if self.angular_velocity != 0 and self.friction is None:
             raise ValueError(
-                f"angular_velocity = {self.angular_velocity:g}: a smooth wall drags nothing: add friction, or remove it"
+                f"angular_velocity = {self.angular_velocity:g}: a smooth wall exerts no torque: "
+                "add friction, or remove it"
             )
         return self
 

@@ -30,7 +30,7 @@ from crosscheck.scene.starts import (
     refuse_coincidence,
 )
 
-#: What the observables of a scene can be of.
+#: Matters of the observables that a scene with smooth forces, hard spheres or a lattice gas can ask for.
 SMOOTH: tuple[Matter, ...] = ("any", "particles", "smooth_particles")
 HARD: tuple[Matter, ...] = ("any", "particles", "hard_spheres")
 GAS: tuple[Matter, ...] = ("any", "lattice_gas")
@@ -83,9 +83,10 @@ class Scene(SceneEntries):
 
     @classmethod
     def from_json(cls, text: str, where: str = "scene") -> Scene:
-        """The scene in a JSON text. UsageError with a line for each mistake: the path of the key, and how to mend it.
+        """The scene in a JSON text.
 
-        where: what the messages start with, such as the path of a file.
+        text: of the JSON. where: what the messages start with, such as the path of a file. UsageError with a line for
+        each mistake: the path of the key, and how to mend it.
         """
         try:
             return cls.model_validate_json(text)
@@ -94,9 +95,9 @@ class Scene(SceneEntries):
 
     @classmethod
     def load(cls, path: str | Path) -> Scene:
-        """The scene in a TOML file; a start from a file is read and becomes explicit.
+        """The scene in a TOML file; an initial state in another file is read too.
 
-        UsageError if a file cannot be read, or with a line for each mistake in it.
+        path: of the TOML file. UsageError if a file cannot be read, or with a line for each mistake in it.
         """
         path = Path(path)
         try:
@@ -119,7 +120,7 @@ class Scene(SceneEntries):
         return tomli_w.dumps(json.loads(self.to_json()))
 
     def changed(self, **changes: Any) -> Scene:
-        """A validated copy with some entries replaced, by name. UsageError if it is not a valid scene."""
+        """A validated copy. changes: new values of entries, by name. UsageError if it is not a valid scene."""
         return Scene.from_json(self.model_copy(update=changes).to_json())
 
     # -- what engines need -------------------------------------------------------------------------
@@ -131,7 +132,7 @@ class Scene(SceneEntries):
 
     @property
     def matters(self) -> tuple[Matter, ...]:
-        """What the observables of this scene can be of."""
+        """The matters of the observables that this scene can ask for."""
         return {"hard_spheres": HARD, "lattice_gas": GAS}.get(self.interaction, SMOOTH)
 
     def asked(self) -> dict[str, Observable]:

@@ -22,28 +22,27 @@ _BASES = {
 
 
 class State(NamedTuple):
-    """The initial state of N particles in d dimensions, in the units of the scene."""
+    """The initial state of N particles in d dimensions, in the units of the scene.
+
+    positions: (N, d), length. velocities: (N, d), length/time. masses: (N,), mass. species: (N,), from 0; None: all are
+    of one species. lengths: sides of the box, (d,), length; None: open space. diameters: (N,), length; of hard spheres
+    only. angular_velocities: (N, 1) in the plane, (N, 3) in space, 1/time; of hard spheres with friction only.
+    """
 
     positions: Floats
-    """(N, d), length."""
     velocities: Floats
-    """(N, d), length/time."""
     masses: Floats
-    """(N,), mass."""
     species: NDArray[np.int64] | None
-    """(N,), from 0; None: all are of one species."""
     lengths: Floats | None
-    """(d,), sides of the box, length; None: open space."""
     diameters: Floats | None = None
-    """(N,), length; of hard spheres only."""
     angular_velocities: Floats | None = None
-    """(N, 1) in the plane, (N, 3) in space, 1/time; of hard spheres with friction only."""
 
 
 def lattice_sites(initial: Lattice, lengths: Floats) -> Floats:
-    """Positions (N, d) on the sites of a lattice that fills a box of these sides (d,), all in units of length.
+    """Positions (N, d), length, on the sites of a lattice that fills a box.
 
-    UsageError if the structure is not one of d dimensions.
+    initial: gives structure and N. lengths: sides of the box, (d,), length. UsageError if the structure is not one of d
+    dimensions.
     """
     basis, counts = _unit_cells(initial, lengths, initial.number)
     sites = ((_cells(counts)[:, None, :] + basis + 0.25) / counts * lengths).reshape(-1, lengths.size)
@@ -83,9 +82,9 @@ def _spread(sites: Floats, number: int) -> Floats:
 def lattice_sites_inside(initial: Lattice, scene: SceneEntries, lengths: Floats, radius: float) -> Floats:
     """Positions (N, d) on the sites of a lattice inside hard walls and cylinder, all in units of length.
 
-    The lattice is compressed between walls where it would not fit otherwise. scene: gives the walls. lengths: sides of
-    the box, (d,). radius: of the particles. UsageError if the structure is not one of d dimensions, or if a single
-    particle does not fit between the walls.
+    The lattice is compressed between walls where it would not fit otherwise. initial: gives structure and N. scene:
+    gives the walls. lengths: sides of the box, (d,). radius: of the particles. UsageError if the structure is not one
+    of d dimensions, or if a single particle does not fit between the walls.
     """
     assert scene.box is not None
     cylinder = scene.box.cylinder
@@ -129,9 +128,9 @@ def lattice_sites_inside(initial: Lattice, scene: SceneEntries, lengths: Floats,
 def random_velocities(initial: Lattice, masses: Floats, dimension: int, fixed: NDArray[np.bool_]) -> Floats:
     """Random velocities (N, d), length/time, of the temperature or of the speed that `initial` gives.
 
-    masses: (N,). fixed: (N,), particles that never move. At a temperature T the total momentum is removed and the
-    kinetic energy is exactly (d/2) (N - 1) T; with fixed particles it is (d/2) N_moving T, and the momentum is not
-    removed.
+    masses: (N,), mass. dimension: d. fixed: (N,), particles that never move. At a temperature T the total momentum is
+    removed and the kinetic energy is exactly (d/2) (N - 1) T; with fixed particles it is (d/2) N_moving T, and the
+    momentum is not removed.
     """
     rng = np.random.default_rng(initial.seed)
     velocities = rng.normal(size=(masses.size, dimension))
@@ -152,8 +151,9 @@ def random_velocities(initial: Lattice, masses: Floats, dimension: int, fixed: N
 def apocentre(initial: Kepler, masses: Floats, gravity: Gravity | None, dimension: int) -> tuple[Floats, Floats]:
     """Positions and velocities, (2, d) each, of two bodies at apocentre on the x axis, moving along y.
 
-    Their distance is a (1 + e), their relative speed sqrt(G M (1 - e)/(a (1 + e))), with the total mass M. masses:
-    (2,). UsageError without gravity, in dimension 1, or if both masses are 0.
+    Their distance is a (1 + e), their relative speed sqrt(G M (1 - e)/(a (1 + e))), with the total mass M. initial:
+    gives a and e. masses: (2,), mass. gravity: gives G. dimension: d. UsageError without gravity, in dimension 1, or if
+    both masses are 0.
     """
     if gravity is None or dimension == 1:
         raise UsageError("initial.kind = 'kepler' needs [gravity] and dimension 2 or 3")
@@ -168,8 +168,9 @@ def apocentre(initial: Kepler, masses: Floats, gravity: Gravity | None, dimensio
 
 
 def read_configuration(path: Path, dimension: int) -> Explicit:
-    """The configuration in an .npz file, or in any format that ASE reads; of vectors, the first `dimension` components.
+    """The configuration in a file.
 
+    path: an .npz file, or a file of any format that ASE reads. dimension: so many components are taken of every vector.
     UsageError if the file cannot be read, or holds values that are not finite.
     """
     spins = None
@@ -215,7 +216,7 @@ def explicit(positions: Floats, velocities: Floats, angular_velocities: Floats |
 
 
 def check_rows(initial: Explicit, dimension: int) -> None:
-    """ValueError unless all tables have one row per particle, of as many components as the dimension asks for."""
+    """ValueError unless all tables of `initial` have one row per particle, with the components of this dimension."""
     if not initial.positions:
         raise ValueError("initial.positions is empty: give at least one particle")
     table = {

@@ -24,7 +24,7 @@ class Table(NamedTuple):
     part: type[Part]
 
     def matches(self, place: tuple[int | str, ...]) -> bool:
-        """Whether the place of a validation error, such as ("lattice_gas", "obstacles", 0), is this table."""
+        """Whether `place`, that of a validation error, as ("lattice_gas", "obstacles", 0), is this table."""
         return len(place) == len(self.path) and all(
             name in (ANY_KEY, found) or (name == ANY_INDEX and isinstance(found, int))
             for name, found in zip(self.path, place, strict=True)
@@ -33,7 +33,7 @@ class Table(NamedTuple):
 
 @cache
 def tables(scene: type[Part]) -> tuple[Table, ...]:
-    """All tables below the model of a scene, and the scene itself first, each before those within it."""
+    """All tables of a scene: itself first, and each table before those within it. scene: its model."""
     return (Table((), "", scene), *_below(scene, (), ""))
 
 

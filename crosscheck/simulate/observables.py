@@ -13,7 +13,7 @@ from crosscheck.scene import AXES, Floats, Method, Scene
 from crosscheck.scene.lattice_gas import gas_model
 from crosscheck.scene.observables import OPERATIONS, TABLE
 
-#: Not columns as they are: others follow from them.
+#: Observables that are no columns themselves: columns of energies, temperature and pressure follow from them.
 _USED = ("kinetic_energy", "potential_energy", "virial")
 
 
@@ -31,19 +31,20 @@ class Result:
 
 
 def observables(scene: Scene, run: Run) -> dict[str, Floats]:
-    """Columns (samples,) by name: time, energies, temperature and pressure, then the tallies.
+    """Columns (samples,) by name: time, energies, temperature and pressure, then the other observables.
 
-    Each is there if the run recorded what it follows from; the units are the scene's own.
+    Each is there if the run recorded what it follows from; the units are the scene's own. scene: what was run. run:
+    what the engine returned.
 
     temperature: 2K/(d(N - 1)), in units of energy, for N particles with zero total momentum; 2K/d for one. pressure:
     (2K + W)/(dV) in a box that is periodic along every axis. Tail corrections are in, if the scene has them.
 
     Of hard spheres, K is of the translation: without "rotational_energy", grains that rotate have no temperature here;
     N counts those that move, and stands for N - 1 where walls, fixed particles or a field take up momentum. pressure:
-    the mean since the start, with the collisional virial for W and exact time averages. A tally with several columns
-    becomes as many, "wall_impulse[x-].y" and the like.
+    the mean since the start, with the collisional virial for W and exact time averages. An observable with several
+    components becomes as many columns, as "wall_impulse[x-].y".
 
-    Of lattice gases: totals of mass, momentum and what the force gave.
+    Of lattice gases: total mass, total momentum, and the momentum given by the force.
 
     UsageError if the scene asks for tail corrections that do not apply to it.
     """
@@ -131,19 +132,19 @@ def _column(axis: str, column: str, label: str) -> str:
 
 
 def _labels(scene: Scene, axis: str, number: int) -> list[str]:
-    """What the places along an axis are called; "" for a face that is not there."""
+    """Names of the elements along an axis; "" for a face that is not there."""
     if axis == "axis":
         return list(AXES[:number])
     if axis == "operation":
         return list(OPERATIONS)
     if axis == "face":
-        there = [*(face is not None for face in scene.faces), True]  # the last is the cylinder
-        return [face if there[k] else "" for k, face in enumerate(face_names(scene))]
+        exists = [*(face is not None for face in scene.faces), True]  # the last is the cylinder
+        return [face if exists[k] else "" for k, face in enumerate(face_names(scene))]
     return [str(k) for k in range(number)]
 
 
 def _tails(scene: Scene) -> tuple[float, float]:
-    """Energy and pressure of the pairs beyond the cutoff, zero unless the scene asks for them."""
+    """Energy and pressure of the pairs beyond the cutoff; 0 unless the scene asks for tail corrections."""
     if scene.lennard_jones is None or not scene.lennard_jones.tail_corrections:
         return 0.0, 0.0
     from crosscheck.references.lennard_jones import tail_corrections
@@ -170,7 +171,7 @@ def write_observables(path: Path, scene: Scene, method: Method, result: Result) 
     """Writes the table of a result to `path`, after comments (#) on what its columns are; returns `path`.
 
     CSV with a header line; 17 significant digits, so that reading it back gives the same numbers. scene, method: what
-    was run.
+    was run. result: of the run.
     """
     tails = scene.lennard_jones is not None and scene.lennard_jones.tail_corrections
     meanings = _MEANINGS if scene.hard_spheres is None else _HARD_MEANINGS
@@ -201,13 +202,13 @@ def write_observables(path: Path, scene: Scene, method: Method, result: Result) 
 
 
 def _meaning(name: str) -> str:
-    """What the table of observables says of one."""
+    """A comment on the observable of this name, from the table of observables."""
     row = TABLE[name]
     return f"{name}: {row.meaning}{', since the start' if row.cumulative else ''} (unit: {row.unit})"
 
 
 def method_label(method: Method) -> str:
-    """The scheme with its time step and how soft it makes hard spheres: "verlet, dt = 0.01, k = 1000.0"."""
+    """`method` as text: scheme, time step, and stiffness or duration of contacts: "verlet, dt = 0.01, k = 1000.0"."""
     contact, dt = method.contact, None if method.dt is None else f"{method.dt!r}"
     softness = ""
     if contact is not None:

@@ -1,4 +1,4 @@
-"""The picture of a run: a column an engine, with particles or field above the energies; below, how far two differ."""
+"""The picture of a run: one column per engine, particles or field above energies; below, differences of two engines."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ def draw_picture(
 ) -> list[Path]:
     """Writes picture.png and picture.svg to the directory `out`; returns their paths.
 
-    results: runs of `scene` with `method`, one an engine. differences: name -> (samples,), see `run.differences`;
-    empty unless there are two.
+    results: runs of `scene` with `method`, one per engine. differences: name -> (samples,), see `run.differences`;
+    empty unless there are two engines.
     """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -100,10 +100,11 @@ def _energies(result: Result) -> dict[str, Floats]:
 
 
 def draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
-    """What a run of `scene` looks like.
+    """Draws the particles or the field of a run.
 
-    A lattice gas as the field of its speed; few particles without a size as trajectories, in one dimension against
-    time; all others as disks at the end of the run, with the paths of those that move if they are few hard disks.
+    axes: matplotlib's, to draw on. scene: what was run. run: what the engine returned. A lattice gas is drawn as the
+    field of its speed; few particles without a size as trajectories, in one dimension against time; all others as disks
+    at the end of the run, with the paths of those that move if they are few hard disks.
     """
     positions = run.get("positions")
     if scene.lattice_gas is not None:
@@ -118,7 +119,7 @@ def draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
 
 
 def _are_disks(scene: Scene) -> bool:
-    """Hard disks: what is seen is all there is of them."""
+    """Whether the particles are hard disks, whose picture shows all of them in their true size."""
     return scene.hard_spheres is not None and scene.dimension == 2
 
 
@@ -158,7 +159,7 @@ def _draw_snapshot(axes: Axes, scene: Scene, run: Run) -> None:
         lines = outlines(snapshot["container"])
         for x0, y0, x1, y1 in lines.walls:
             axes.plot([x0, x1], [y0, y1], color=_WALL, linewidth=2, solid_capstyle="projecting")
-        # where the box is periodic, the picture ends
+        # no line where the box is periodic: there the picture ends
         sides = [((x0, y0), (x1, y1)) for x0, y0, x1, y1 in lines.sides if not periods[0 if x0 == x1 else 1]]
         if sides:
             axes.add_collection(LineCollection(sides, colors=_WALL, linewidths=0.8, linestyles="dashed"))
@@ -176,10 +177,11 @@ def _draw_snapshot(axes: Axes, scene: Scene, run: Run) -> None:
 
 
 def snapshot_of(scene: Scene, run: Run) -> Snapshot:
-    """The particles of a run at its end, seen along z, those in front last; coloured by speed.
+    """The particles at the end of a run, seen along z, those in front last; coloured by speed.
 
-    In the plane hard disks and Lennard-Jones particles have their own size; all others a size that their number leaves
-    room for, in space smaller with their distance. Without a box the container is the smallest frame around them.
+    scene: what was run. run: what the engine returned. In the plane hard disks and Lennard-Jones particles have their
+    own size; all others get a size that decreases with their number, in space also with their distance. Without a box
+    the container is the smallest frame around them.
     """
     positions, velocities = run["final_positions"], run["final_velocities"]
     periods = scene.periods()
@@ -200,7 +202,7 @@ def snapshot_of(scene: Scene, run: Run) -> Snapshot:
         container,
         value[order].tolist(),
         "speed",
-        # grains come to rest, a fluid does not: its colours span the speeds there are
+        # grains may come to rest: their colours start at speed 0; those of a fluid span the speeds that occur
         (0.0, fastest or 1.0) if _are_disks(scene) else None,
     )
 

@@ -1,7 +1,4 @@
-"""Runs any scene on some engines, and writes what they found side by side.
-
-Observables as CSV, trajectories (see `trajectory.FORMATS`), and a picture.
-"""
+"""Runs any scene on one or more engines, and writes observables as CSV, trajectories, and one picture of all."""
 
 from __future__ import annotations
 
@@ -28,9 +25,9 @@ def shipped_scenes() -> list[str]:
 
 
 def load(name: str | Path) -> Scene:
-    """The scene in the TOML file `name`, or the shipped one of this name.
+    """A scene from a file, or a shipped one.
 
-    UsageError if there is neither, or if the scene is not valid.
+    name: path of a TOML file, or name of a shipped scene. UsageError if there is neither, or if the scene is not valid.
     """
     path = Path(name)
     if path.is_file():
@@ -50,13 +47,13 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]
 
     UsageError if the scene is not valid or has no [method], and if an engine is missing or cannot run the scene.
     """
-    what = load(scene)
-    method = _method(what)
+    loaded = load(scene)
+    method = _method(loaded)
     if len(set(engines)) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
     pool = Pool()
     try:
-        results = [_run(what, method, engine, pool) for engine in engines]
+        results = [_run(loaded, method, engine, pool) for engine in engines]
     finally:
         pool.close()
     out.mkdir(parents=True, exist_ok=True)
@@ -64,10 +61,10 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]
     for result in results:
         name = re.sub(r"[^A-Za-z0-9_.-]+", "-", Path(result.engine).name)
         if len(result.table) > 1:
-            written.append(write_observables(out / f"observables-{name}.csv", what, method, result))
-        written += write_trajectories(out, name, what, result.run)
+            written.append(write_observables(out / f"observables-{name}.csv", loaded, method, result))
+        written += write_trajectories(out, name, loaded, result.run)
     compared = differences(*results) if len(results) == 2 else {}
-    return written + draw_picture(out, what, method, results, compared)
+    return written + draw_picture(out, loaded, method, results, compared)
 
 
 def _method(scene: Scene) -> Method:
@@ -97,7 +94,7 @@ def _run(scene: Scene, method: Method, engine: str, pool: Pool) -> Result:
 
 
 def differences(one: Result, other: Result) -> dict[str, Floats]:
-    """Absolute differences between runs of one scene on two engines, (samples,) by name.
+    """Absolute differences between runs of one scene on two engines, `one` and `other`, (samples,) by name.
 
     Of energies and pressure, as far as both have them. "position of the farthest particle": the largest distance of a
     particle from itself in the other run, if both have trajectories.

@@ -20,12 +20,12 @@ from crosscheck.scene import Floats, Scene
 class Trajectory:
     """N particles in space at S times, up to the last sample that is finite.
 
-    A scene of fewer dimensions lies in the plane or on the axis, and turns about z: components that it has not are 0.
-    Units are the scene's own.
+    The vectors of a scene of fewer dimensions are completed with zeros; in the plane, rotation is about z. Units are
+    the scene's own.
 
-    time: (S,). positions: (S, N, 3), not wrapped into the box. cell: (3,), its sides, 0 where there is none. periodic:
-    (3,). masses: (N,). species: (N,), or None if the scene tells no species apart. more: name -> (S, N, 3) vectors or
-    (N,) constants, those of `QUANTITIES` that the run recorded.
+    time: (S,), time. positions: (S, N, 3), length, not wrapped into the box. cell: sides of the box, (3,), length; 0
+    along axes without a box. periodic: which axes are, (3,). masses: (N,), mass. species: (N,), or None if the scene
+    has no species. more: name -> (S, N, 3) vectors or (N,) constants, those of `QUANTITIES` that the run recorded.
     """
 
     time: Floats
@@ -56,9 +56,10 @@ class Format:
 
 
 def write_trajectories(directory: Path, name: str, scene: Scene, run: Run) -> list[Path]:
-    """Writes the trajectory of a run of `scene` in every format as trajectory-`name`.<suffix>; returns the paths.
+    """Writes the trajectory of a run in every format; returns the paths, none for a run without a trajectory.
 
-    None of a run without a trajectory; up to the last good sample of one that diverged or stopped.
+    Of a run that diverged or stopped, the samples before are written. directory: of the files. name: part of their
+    names, trajectory-name.suffix. scene: what was run. run: what the engine returned.
     """
     trajectory = trajectory_of(scene, run)
     if trajectory is None:
@@ -73,7 +74,7 @@ def write_trajectories(directory: Path, name: str, scene: Scene, run: Run) -> li
 
 
 def trajectory_of(scene: Scene, run: Run) -> Trajectory | None:
-    """The trajectory that a run of `scene` recorded; None if it recorded none."""
+    """The trajectory that `run`, a run of `scene`, recorded; None if it recorded none."""
     positions, velocities = run.get("positions"), run.get("velocities")
     spins = run.get("angular_velocities")
     if positions is None:
@@ -95,13 +96,13 @@ def trajectory_of(scene: Scene, run: Run) -> Trajectory | None:
 
 
 def _good_samples(samples: Floats) -> int:
-    """How many samples (S, N, k) there are before the first with a number that is not finite."""
+    """Number of samples, of (S, N, k), before the first one with a number that is not finite."""
     good = np.isfinite(samples).all(axis=(1, 2))
     return good.size if good.all() else int(np.argmin(good))
 
 
 def in_space(vectors: Floats) -> Floats:
-    """(..., d) as (..., 3), zeros along the axes that a scene of d dimensions has not."""
+    """The vectors, (..., d), completed with zeros to (..., 3)."""
     return np.pad(vectors, ((0, 0),) * (vectors.ndim - 1) + ((0, 3 - vectors.shape[-1]),))
 
 
@@ -109,9 +110,10 @@ def in_space(vectors: Floats) -> Floats:
 
 
 def write_extxyz(path: Path, trajectory: Trajectory) -> None:
-    """Extended XYZ, which ASE and OVITO read: eight decimals, positions not wrapped.
+    """Writes a trajectory to `path` as extended XYZ, which ASE and OVITO read: eight decimals, positions not wrapped.
 
-    Species 0, 1, ... are named H, He, ...; without species the particles are called X. Momenta are there too, for ASE.
+    trajectory: what to write. Species 0, 1, ... are named H, He, ...; without species the particles are called X.
+    Velocities are also written as momenta, which is what ASE reads.
     """
     import ase
     import ase.io

@@ -60,6 +60,6 @@ def test_the_report_knows_a_histogram_from_a_curve_in_new_and_old_records(old):
     record = json.loads(json.dumps(dataclasses.asdict(figure)))
     if old:
         record["series"][1]["bins"] = False
-    line = {"check": "group/check/a", "engine": "refimpl", "figures": [record]}
+    line = {"check": "group/check", "variant": "a", "engine": "refimpl", "figures": [record]}
     (panel,) = figures.panels([line], lambda line: "a")
     assert [(curve.name, curve.bins) for curve in panel.curves] == [("a", True), ("b", False)]

@@ -1,5 +1,6 @@
 """The worked example of one's own engine runs in a worker and is right."""
 
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -8,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from crosscheck.checks import all_checks
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import Unsupported
 from crosscheck.record import read
@@ -91,3 +93,8 @@ def test_the_readme_s_command_judges_it(tmp_path: Path) -> None:
     assert {line["outcome"] for line in lines} == {"pass"}
     assert {line["check"].partition("/")[0] for line in lines} <= {"stepping", "performance"}
     assert len(lines) > 10
+    said = re.search(r"my_engine.py:MyEngine: (\d+) checks match what it declares, (\d+) need more", done.stdout)
+    assert said is not None
+    # some of them have variants of the full tier only
+    assert int(said[1]) >= len({line["check"] for line in lines})
+    assert int(said[1]) + int(said[2]) == len(all_checks())

@@ -102,8 +102,10 @@ def _judge_limit(laboratory: Laboratory, quantity: _Quantity) -> Judged:
         errors.append(error)
     expected, u_expected = independent_mean(hard)
     t, y, u = np.array(DURATIONS), np.array(values), np.array(errors)
-    parabola, covariance = np.polyfit(t, y, 2, w=1 / u, cov="unscaled")
-    limit, u_limit = float(parabola[2]), float(covariance[2, 2] ** 0.5)
+    powers = np.vander(t, 3, increasing=True)
+    covariance = np.linalg.inv(powers.T / u**2 @ powers)
+    parabola = covariance @ (powers.T / u**2 @ y)
+    limit, u_limit = float(parabola[0]), float(covariance[0, 0] ** 0.5)
     smooth = np.linspace(0.0, DURATIONS[0], 41)
     figure = Figure(
         f"Hard limit of the {quantity.name}",
@@ -114,7 +116,7 @@ def _judge_limit(laboratory: Laboratory, quantity: _Quantity) -> Judged:
             Series(
                 f"parabola, {laboratory.engine}",
                 smooth.tolist(),
-                np.polyval(parabola, smooth).tolist(),
+                np.polyval(parabola[::-1], smooth).tolist(),
                 theory=True,
             ),
             Series("event-driven", [0.0], [expected], [u_expected]),

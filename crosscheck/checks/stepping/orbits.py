@@ -37,6 +37,8 @@ WHY_BIASED = "10 standard deviations of the rounding of r and v, alike in every 
 
 #: Needs of checks that use final states; of those that use samples too.
 ORBIT = Needs("gravity", words=frozenset({"dimension=2", "masses[]", "gravity.G"}))
+#: Hundreds of thousands of steps: asked of engines that promise to take them in seconds.
+LONG_ORBIT = replace(ORBIT, promises=("long_runs",))
 SAMPLED_ORBIT = replace(ORBIT, observables=frozenset({"positions", "velocities"}))
 
 ORBITS = "Danby, Fundamentals of Celestial Mechanics (1988), chapter 6; Murray & Dermott, Solar System Dynamics (1999)"

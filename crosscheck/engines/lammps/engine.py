@@ -13,12 +13,12 @@ from crosscheck.engines.lammps.instance import load, preload_mpi
 from crosscheck.engines.protocol import Claims, Run
 from crosscheck.scene import Method, Scene
 
-#: Atom types, one for every pair of species and mass: LAMMPS has tables over the pairs of types.
+#: Largest number of atom types, one for every pair of species and mass: LAMMPS's tables hold all pairs of types.
 _MOST_TYPES = 100
 
 
 class LammpsEngine:
-    """`fix nve` takes a velocity-dependent force (`fix viscous`) at the half-step velocity: first order then."""
+    """Velocity Verlet, `fix nve`; of order 1 with `fix viscous`, which takes the velocity at the half-step."""
 
     name = "lammps"
     schemes = {"velocity_verlet": Claims((2, 2), (1, 1), symplectic=True, reversible=True)}
@@ -97,7 +97,7 @@ class LammpsEngine:
 
     def run(self, scene: Scene, method: Method) -> Run:
         lammps = load()
-        # -nonbuf: the last lines are in the log even after a crash
+        # -nonbuf: output is not buffered, so its last lines are in the log even after a crash
         lmp = lammps.lammps(cmdargs=["-log", "none", "-echo", "none", "-nonbuf"])
         try:
             if scene.hard_spheres is not None:

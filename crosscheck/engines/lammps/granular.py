@@ -7,7 +7,7 @@ Pairs of grains of one mass go by the classic styles, which are the fastest: `gr
 Walls are granular ones throughout: the classic `hooke/history` wall of LAMMPS 22Jul2025 multiplies k_t by the radius of
 the contact, and yields NaN without normal damping. At a plane, the tangential springs of both kinds are the same.
 
-The laws take the velocities of the half-step: the scheme is of first order in dt with dashpots or friction.
+The forces are evaluated with the velocities at the half-step: with dashpots or friction the scheme is of order 1.
 
 Literature: L. E. Silbert et al., Phys. Rev. E 64, 051302 (2001), and the manual's pages of these styles.
 """
@@ -23,23 +23,27 @@ import numpy as np
 from crosscheck.engines import soft_spheres
 from crosscheck.engines.lammps.instance import FEW, Atoms, advance, box, pair_virial
 from crosscheck.engines.protocol import Run, shapes, strides
-from crosscheck.engines.soft_spheres import Law, SoftSpheres
+from crosscheck.engines.soft_spheres import ContactLaw, SoftSpheres
 from crosscheck.scene import AXES, Contact, Cylinder, Face, Method, Oscillation, Scene, State
 
 #: Stands for no limit of friction: LAMMPS's largest coefficient of friction.
 _MOST_FRICTION = 1e4
-#: LAMMPS has a tangential dashpot as a multiple of the normal one: for it, an elastic contact loses the last digit.
+#: Restitution in place of 1 beside a tangential dashpot, which LAMMPS defines as a multiple of the normal one: with 1,
+#: both would be 0.
 _NEARLY_ELASTIC = math.nextafter(1.0, 0.0)
 #: Skin of the neighbour list in largest diameters: among the fastest of 0.03 to 0.5, for steps of t_c/50 and t_c/5.
 _SKIN = 0.1
 #: I/(m R^2) in LAMMPS's rotational energy, whatever `fix nve/sphere` integrates.
 _INERTIA = 0.4
-#: sin(phase) up to which a phase is 0 or pi: pi is not a number of the computer.
+#: A phase counts as 0 or pi up to this sine: the floating-point number nearest to pi has a sine of 1e-16.
 _ROUNDING = 1e-15
 
 
 def unsupported(scene: Scene, method: Method) -> str | None:
-    """None, or the reason why LAMMPS cannot run this scene of hard spheres."""
+    """None, or the reason why LAMMPS cannot run this scene of hard spheres as soft ones.
+
+    scene: of words that the engine declares. method: gives the contact.
+    """
     reason = soft_spheres.unsupported(scene, method)
     if reason is not None:
         return reason
@@ -53,7 +57,11 @@ def unsupported(scene: Scene, method: Method) -> str | None:
 
 
 def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
-    """Runs a scene that `unsupported` accepts, in a new LAMMPS instance."""
+    """Runs a scene of hard spheres as soft ones.
+
+    lammps: the module. lmp: a new LAMMPS instance. scene, method: accepted by `unsupported`. UsageError if dt does not
+    divide duration and interval.
+    """
     contact = method.contact
     assert contact is not None
     laws = soft_spheres.soft_spheres(scene, contact)
@@ -74,7 +82,7 @@ def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
 
 
 class _Grains(Atoms):
-    """The grains of a scene, in a box that reaches a diameter beyond its walls."""
+    """The particles of a scene, in a box that extends a diameter beyond its walls."""
 
     def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
         assert state.diameters is not None
@@ -94,15 +102,15 @@ class _Grains(Atoms):
             upper = length if walled[1] else float(x.max())
             edges[axis] = (lower - beyond[0], upper + beyond[1])
             styles[axis] = "".join("f" if wall else "s" for wall in walled)
-        few_in_the_open = any("s" in style for style in styles) and scene.number <= FEW
+        few_unbounded = any("s" in style for style in styles) and scene.number <= FEW
         lmp.commands_list(
             [
                 "units lj",
-                "newton off",  # the faster, by some percent: no forces are sent back from ghosts
+                "newton off",  # some percent faster: no forces are sent back from ghost atoms
                 "atom_style sphere",
-                *box(scene.dimension, styles, edges, 1, sort=not few_in_the_open),
+                *box(scene.dimension, styles, edges, 1, sort=not few_unbounded),
                 "comm_modify vel yes",
-                f"neighbor {_SKIN * margin!r} {'nsq' if few_in_the_open else 'bin'}",
+                f"neighbor {_SKIN * margin!r} {'nsq' if few_unbounded else 'bin'}",
                 "neigh_modify delay 0 every 1 check yes",
             ]
         )
@@ -119,7 +127,8 @@ def _amplitude(face: Face) -> float:
     return 0.0 if face.oscillation is None else face.oscillation.amplitude
 
 
-def _pairs(scene: Scene, law: Law, contact: Contact, state: State) -> Iterator[str]:
+def _pairs(scene: Scene, law: ContactLaw, contact: Contact, state: State) -> Iterator[str]:
+    """Commands for the contacts of pairs."""
     assert scene.hard_spheres is not None
     mass = float(state.masses[0])
     if contact.law == "hertz" or (state.masses != mass).any():
@@ -139,8 +148,8 @@ def _pairs(scene: Scene, law: Law, contact: Contact, state: State) -> Iterator[s
     yield "pair_coeff * *"
 
 
-def _granular(law: Law, contact: Contact, restitution: float) -> str:
-    """The law in the words of `pair_style granular` and `fix wall/gran granular`."""
+def _granular(law: ContactLaw, contact: Contact, restitution: float) -> str:
+    """Arguments of `pair_style granular` and `fix wall/gran granular` for the law."""
     limit, damping = min(law.friction, _MOST_FRICTION), law.damping
     if law.tangential_damping and not damping:
         restitution, damping = _NEARLY_ELASTIC, -2 * math.log(_NEARLY_ELASTIC) / math.pi
@@ -153,6 +162,7 @@ def _granular(law: Law, contact: Contact, restitution: float) -> str:
 
 
 def _motion(scene: Scene) -> Iterator[str]:
+    """Commands for the integrator and the uniform field."""
     disks = scene.dimension == 2 and soft_spheres.inertia_ratio(scene) == 0.5
     yield f"fix integrate all {'nve/sphere' + ' disc' * disks if scene.spin_dimension else 'nve'}"
     if scene.acceleration is not None and any(scene.acceleration):
@@ -161,9 +171,10 @@ def _motion(scene: Scene) -> Iterator[str]:
 
 
 def _walls(scene: Scene, laws: SoftSpheres, method: Method) -> Iterator[str]:
+    """Commands for the plane walls and the cylinder."""
     contact, lengths = method.contact, scene.lengths()
     assert contact is not None
-    # the forces on every grain are kept
+    # "contacts": the fix keeps the force on every particle
     keep = " contacts" if {"wall_impulse", "wall_torque"} & set(scene.output.observables) else ""
     for index, (face, law) in enumerate(zip(scene.faces, laws.faces, strict=True)):
         if face is None or law is None:
@@ -174,16 +185,16 @@ def _walls(scene: Scene, laws: SoftSpheres, method: Method) -> Iterator[str]:
         if face.oscillation is None:
             wall = _plane(axis, upper, place)
         elif abs(math.sin(face.oscillation.phase)) <= _ROUNDING:
-            wall = _wiggled(axis, upper, place, face.oscillation)
+            wall = _wiggling_plane(axis, upper, place, face.oscillation)
         else:
-            yield from _shaken(index, place, face.oscillation, method.step)
+            yield from _oscillating_region(index, place, face.oscillation, method.step)
             style, wall = "wall/gran/region", f"region plane{index}"
         granular = _granular(law, contact, face.restitution)
         yield f"fix face{index} all {style} granular {granular} {wall}{keep}"
     if laws.cylinder is not None:
         assert scene.box is not None
         assert scene.box.cylinder is not None
-        yield from _drum(scene, scene.box.cylinder, method.step)
+        yield from _cylinder(scene, scene.box.cylinder, method.step)
         granular = _granular(laws.cylinder, contact, scene.box.cylinder.restitution)
         yield f"fix face{len(scene.faces)} all wall/gran/region granular {granular} region drum{keep}"
 
@@ -192,15 +203,15 @@ def _plane(axis: int, upper: int, place: float) -> str:
     return f"{AXES[axis]}plane {f'NULL {place!r}' if upper else f'{place!r} NULL'}"
 
 
-def _wiggled(axis: int, upper: int, place: float, oscillation: Oscillation) -> str:
+def _wiggling_plane(axis: int, upper: int, place: float, oscillation: Oscillation) -> str:
     """A plane at place + a cos(omega t), a > 0 into the box for phase 0: LAMMPS has lo + A - A cos(omega t)."""
     a = (-1) ** upper * oscillation.amplitude * math.copysign(1.0, math.cos(oscillation.phase))
     period = 2 * math.pi / oscillation.frequency
     return f"{_plane(axis, upper, place + a)} wiggle {AXES[axis]} {-a!r} {period!r}"
 
 
-def _shaken(index: int, place: float, oscillation: Oscillation, dt: float) -> Iterator[str]:
-    """The same for any phase: a moving region, whose velocity is its mean over the step (and 0 at the start)."""
+def _oscillating_region(index: int, place: float, oscillation: Oscillation, dt: float) -> Iterator[str]:
+    """Commands for the same plane at any phase: a moving region; its velocity is the mean over the step, first 0."""
     axis, upper = divmod(index, 2)
     point, normal, motion = ["0.0"] * 3, ["0.0"] * 3, ["NULL"] * 3
     point[axis], normal[axis], motion[axis] = repr(place), repr((-1.0) ** upper), f"v_shift{index}"
@@ -209,20 +220,20 @@ def _shaken(index: int, place: float, oscillation: Oscillation, dt: float) -> It
     yield f"region plane{index} plane {' '.join(point)} {' '.join(normal)} side in move {' '.join(motion)} units box"
 
 
-def _drum(scene: Scene, cylinder: Cylinder, dt: float) -> Iterator[str]:
+def _cylinder(scene: Scene, cylinder: Cylinder, dt: float) -> Iterator[str]:
     """The region inside of the cylinder, which turns from the first axis across it to the second."""
-    middle, axis = _middle(scene), AXES.index(cylinder.axis or "z")
+    middle, axis = _centre(scene), AXES.index(cylinder.axis or "z")
     across = " ".join(repr(middle[i]) for i in scene.across)
     turn = ""
     if cylinder.angular_velocity != 0:
-        # x to z, across y, is the left-handed sense
+        # for the axis y, from x to z is the negative sense of rotation
         yield f"variable turn equal {(-1 if axis == 1 else 1) * cylinder.angular_velocity * dt!r}*step"
         turn = f" rotate v_turn {' '.join(map(repr, middle))} {' '.join('1' if i == axis else '0' for i in range(3))}"
     yield f"region drum cylinder {AXES[axis]} {across} {cylinder.radius!r} INF INF side in{turn} units box"
 
 
-def _middle(scene: Scene) -> list[float]:
-    """Of the box, three coordinates."""
+def _centre(scene: Scene) -> list[float]:
+    """Centre of the box, three coordinates."""
     lengths = scene.lengths()
     assert lengths is not None
     return [*(0.5 * lengths).tolist(), 0.0][:3]
@@ -247,14 +258,14 @@ def _rates(scene: Scene) -> list[_Rate]:
         _Rate("collisional_virial", 0, 1.0, "virial"),
         _Rate("contact_time", 0, 1.0, "touching"),
         # of the force on the grains: the faces get the opposite
-        *(_Rate("wall_impulse", d * w + i, -1.0, f"push{w}{AXES[i]}") for w in _present(scene) for i in range(d)),
+        *(_Rate("wall_impulse", d * w + i, -1.0, f"push{w}{AXES[i]}") for w in _wall_indices(scene) for i in range(d)),
         _Rate("wall_torque", 0, 1.0, "torque"),
     ]
     return [rate for rate in rates if rate.observable in asked]
 
 
-def _present(scene: Scene) -> list[int]:
-    """Places of the walls in `face_names`."""
+def _wall_indices(scene: Scene) -> list[int]:
+    """Indices, in `face_names`, of the walls that exist."""
     there = [face is not None for face in scene.faces] + [True] * (len(scene.across) > 0)
     return [index for index, wall in enumerate(there) if wall]
 
@@ -262,8 +273,9 @@ def _present(scene: Scene) -> list[int]:
 def _records(scene: Scene, every: int) -> Iterator[str]:
     """Commands that record the observables inside LAMMPS, without a call to Python per sample.
 
-    Integrals over time go by the trapezoidal rule over all steps, with which velocity Verlet changes momentum and
-    angular momentum exactly: here are the sums over the steps from one sample to the next, and the rates at both.
+    Integrals over time follow the trapezoidal rule over all steps: with it, velocity Verlet changes momentum and
+    angular momentum by exactly these integrals. Recorded are means over the steps from one sample to the next, and the
+    rates at the samples; `_read` combines them.
     """
     energies, rates = _energies(scene), _rates(scene)
     asked = scene.output.observables
@@ -282,13 +294,13 @@ def _records(scene: Scene, every: int) -> Iterator[str]:
         yield "compute touched all reduce sum c_contacts"
         yield "variable touching equal 0.5*c_touched"  # both grains of a pair count it
     if "wall_impulse" in asked:
-        for wall in _present(scene):
+        for wall in _wall_indices(scene):
             yield f"compute push{wall} all reduce sum f_face{wall}[2] f_face{wall}[3] f_face{wall}[4]"
             for i, axis in enumerate(AXES[: scene.dimension], 1):
                 yield f"variable push{wall}{axis} equal c_push{wall}[{i}]"
     if "wall_torque" in asked:
         yield from _torque(scene)
-    # all of them variables: a mixture with computes is neither intensive nor extensive, which `fix vector` refuses
+    # all are variables: `fix vector` refuses a mixture of variables and computes, being neither intensive nor extensive
     changing = [f"v_{rate.variable}" for rate in rates]
     columns = [f"v_{name}" for name in energies] + changing
     if rates:
@@ -299,8 +311,8 @@ def _records(scene: Scene, every: int) -> Iterator[str]:
 
 
 def _torque(scene: Scene) -> Iterator[str]:
-    """The torque of the cylinder about its axis; the wall acts on a grain at its radius from its centre."""
-    drum, middle = len(scene.faces), _middle(scene)
+    """Commands for the torque of the cylinder about its axis; it acts on a particle at the point of contact."""
+    drum, middle = len(scene.faces), _centre(scene)
     first, second = scene.across
     x, y = (f"({AXES[axis]}-{middle[axis]!r})" for axis in (first, second))
     yield f"variable off atom sqrt({x}^2+{y}^2)"
@@ -311,7 +323,7 @@ def _torque(scene: Scene) -> Iterator[str]:
 
 
 def _read(lammps: Any, lmp: Any, scene: Scene, run: Run, good: int, dt: float, every: int) -> None:
-    """Fills in the observables, up to the sample `good`."""
+    """Writes the observables into the run; good: number of samples before it diverged."""
     energies, rates = _energies(scene), _rates(scene)
     table = np.full((run["time"].size, len(energies) + 2 * len(rates)), np.nan)
     width = table.shape[1]

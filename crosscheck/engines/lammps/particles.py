@@ -12,14 +12,18 @@ from crosscheck.engines.lammps.instance import FEW, Atoms, advance, box, pair_vi
 from crosscheck.engines.protocol import Run, strides
 from crosscheck.scene import Floats, Method, Scene, State
 
-#: A box and a cutoff that no spring or orbit leaves; their squares and volumes are still finite.
+#: Size of the box and cutoff in open space: larger than any orbit, and its square and cube are finite numbers.
 _FAR = 1e50
-#: The neighbour list of gravity holds all pairs, and LAMMPS's has room for 2000 neighbours of an atom.
+#: Largest number of bodies with gravity: the neighbour list holds all pairs, at most 2000 neighbours of an atom.
 MOST_BODIES = 2000
 _LJ_STYLES = {"truncated": "lj/cut/opt", "shifted": "lj/cut/opt", "force_shifted": "lj/smooth/linear"}
 
 
 def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
+    """Runs a scene of springs, gravity or Lennard-Jones particles.
+
+    lammps: the module. lmp: a new LAMMPS instance. scene, method: as for `Engine.run`.
+    """
     system = _System(lmp, scene, scene.initial_state())
     _, every = strides(scene, method)
     output = scene.output
@@ -34,8 +38,8 @@ def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
             values[i] = lmp.extract_fix(name, lammps.LMP_STYLE_GLOBAL, lammps.LMP_TYPE_VECTOR, i)
         run[name] = values
     if output.forces:
-        nowhere = np.full_like(run["final_positions"], np.nan)
-        run["forces"] = nowhere if run.diverged else _forces(lmp, system, output.observables)
+        nan_state = np.full_like(run["final_positions"], np.nan)
+        run["forces"] = nan_state if run.diverged else _forces(lmp, system, output.observables)
     return run
 
 
@@ -49,7 +53,7 @@ def _record(name: str, dimension: int, every: int) -> list[str]:
 
 
 def _forces(lmp: Any, system: _System, observables: tuple[str, ...]) -> Floats:
-    """Forces at the final state: set up anew, since `fix viscous` has last seen the half-step velocity."""
+    """Forces at the final state, evaluated again: those of the last step have friction at the half-step velocity."""
     lmp.commands_list([f"unfix {name}" for name in observables] + ["run 0 post no"])
     return system.forces()
 
@@ -71,7 +75,7 @@ class _System(Atoms):
             self.assign("q", state.masses)
         if scene.spring is not None:
             lmp.commands_list(list(_spring(scene)))
-            # the springs are tied where the atoms were when the fix was defined, the origin; now to their places
+            # `fix spring/self` has taken the atoms' positions as anchors: the origin; now they move to their own places
             self.assign("x", np.reshape(three(self.wrapped), (-1, 3)))
         else:
             lmp.commands_list(list(_gravity(scene) if scene.gravity else _lennard_jones(scene, self.types)))
@@ -92,16 +96,17 @@ class _System(Atoms):
 
 
 def kinds(scene: Scene) -> list[tuple[int, float]]:
-    """(species, mass) of every particle: LAMMPS keeps both by type."""
+    """(species, mass) of every particle of `scene`: in LAMMPS, both belong to the type of an atom."""
     number = scene.number
     masses = [scene.masses] * number if isinstance(scene.masses, float) else list(scene.masses)
     return list(zip(scene.species or [0] * number, masses, strict=True))
 
 
 def _spring(scene: Scene) -> Iterator[str]:
+    """Commands for springs to the origin, and their damping."""
     assert scene.spring is not None
     yield "pair_style none"
-    yield "neigh_modify once yes"  # there is no list to renew, and no box to leave
+    yield "neigh_modify once yes"  # no neighbour lists are needed
     yield f"fix spring all spring/self {scene.spring.k!r}"
     yield "fix_modify spring energy yes"
     if scene.spring.gamma is not None:
@@ -109,7 +114,7 @@ def _spring(scene: Scene) -> Iterator[str]:
 
 
 def _gravity(scene: Scene) -> Iterator[str]:
-    """Coulomb's law between charges that are the masses, in a medium of dielectric constant -1/G: an attraction."""
+    """Commands for Coulomb's law with the masses as charges and the dielectric constant -1/G, which is gravity."""
     assert scene.gravity is not None
     yield f"dielectric {-1.0 / scene.gravity.G!r}"
     if scene.gravity.softening is None:
@@ -120,10 +125,11 @@ def _gravity(scene: Scene) -> Iterator[str]:
         yield f"pair_style coul/cut/soft 0.0 {scene.gravity.softening**2!r} {_FAR!r}"
         yield "pair_coeff * * 0.0"
     yield "neighbor 1.0 nsq"
-    yield f"neigh_modify once yes one {MOST_BODIES} page {50 * MOST_BODIES}"  # all pairs, for good
+    yield f"neigh_modify once yes one {MOST_BODIES} page {50 * MOST_BODIES}"  # all pairs: never rebuilt
 
 
 def _lennard_jones(scene: Scene, types: list[tuple[int, float]]) -> Iterator[str]:
+    """Commands for Lennard-Jones pairs and walls. types: (species, mass) of each atom type."""
     lj = scene.lennard_jones
     assert lj is not None
     to_sigma = 2 ** (-1 / 6) if lj.length_form == "r_m" else 1.0
@@ -139,8 +145,8 @@ def _lennard_jones(scene: Scene, types: list[tuple[int, float]]) -> Iterator[str
         same = epsilons[i] == epsilons[j]
         epsilon = epsilons[i] if same else float(np.sqrt(epsilons[i] * epsilons[j]))  # Berthelot
         yield f"pair_coeff {i + 1} {j + 1} {epsilon!r} {0.5 * (sigmas[i] + sigmas[j])!r}"  # Lorentz
-    few_in_the_open = "open" in scene.boundaries and scene.number <= FEW
-    yield f"neighbor {0.3 * max(sigmas)!r} {'nsq' if few_in_the_open else 'bin'}"
+    few_unbounded = "open" in scene.boundaries and scene.number <= FEW
+    yield f"neighbor {0.3 * max(sigmas)!r} {'nsq' if few_unbounded else 'bin'}"
     yield "neigh_modify every 1 delay 0 check yes"
     wall = None if scene.box is None else scene.box.wall
     if wall is not None:

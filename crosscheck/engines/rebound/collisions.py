@@ -5,19 +5,19 @@ All spheres fly freely for dt. Then the pairs that overlap and approach get the 
     v_n' = -alpha v_n,   n along the centres at that moment,
 
 one after the other in random order. So a pair collides up to dt late, at a distance r < s, s its contact distance, and
-with the normal of other points of the spheres: trajectories err by order dt. A grazing pair passes unseen if no step
-ends between its first contact and its closest approach. The collision rate nu of an elastic gas of disks with the
-contact value chi of its pair distribution errs by
+with a normal that is not the one at contact: trajectories have errors of order dt. A grazing collision is missed if no
+step ends between first contact and closest approach. The collision rate nu of an elastic gas of disks with the contact
+value chi of its pair distribution has the error
 
     dnu/nu = -(d ln chi/d ln s) <v_n> dt/(2 s) - <v^2> dt^2/(6 s^2) + ...,   <v_n> = sqrt(pi T/m),   <v^2> = 6 T/m:
 
-pairs come closer by v_n dt/2 in the mean, as smaller disks would, which takes from chi, but not from the cross-section;
-and v^2 dt^2/(6 s^2) of the pairs with relative speed v pass unseen (means over the collisions).
+pairs come closer by v_n dt/2 on average, as smaller disks would, which reduces chi, but not the cross-section; and the
+fraction v^2 dt^2/(6 s^2) of the collisions at relative speed v is missed (averages are over the collisions).
 
-"direct" tries all pairs, each of them twice: from both sides, so that a pair that a third sphere drives together again
-may collide twice in a step. "tree" finds the same pairs with an octree; of unequal spheres, some from the larger one's
-side only. "line" lists, once, the pairs whose paths during the step overlapped at any time; but REBOUND's resolution
-"hardsphere" passes over those that do not overlap any more, so it finds no more collisions than the others.
+"direct" tests every pair twice, as (i, j) and as (j, i), so that a pair that a third sphere pushes together again may
+collide twice in a step. "tree" finds the same pairs with an octree; of unequal spheres, some as (larger, smaller) only.
+"line" lists, once, the pairs whose paths during the step overlapped at any time; but REBOUND's resolution "hardsphere"
+skips those that no longer overlap, so it finds no more collisions than the others.
 
 Literature: H. Rein and S.-F. Liu, Astron. Astrophys. 537, A128 (2012).
 """
@@ -39,35 +39,42 @@ _AXES_OF_SPACE = 3
 
 
 def unsupported(scene: Scene) -> str | None:
-    """None, or the reason why REBOUND cannot run this scene of hard spheres."""
+    """None, or the reason why REBOUND cannot run this scene of hard spheres although it declares all of its words."""
     spheres = scene.hard_spheres
     assert spheres is not None
     if len(set(scene.boundaries)) > 1:
         return "REBOUND's boundaries are periodic along all axes, or open along all"
     if spheres.restitution == 0 and "collisions" in scene.output.observables:
-        return "with restitution 0 it counts a pair again at every step until the spheres have slid apart"
+        return "with restitution 0 it counts a pair again at every step as long as the spheres touch"
     diameters, lengths = scene.diameters(), scene.lengths()
     assert diameters is not None
     if np.count_nonzero(diameters == 0) > 1:
-        return "two points that meet collide: at most one diameter may be 0"
+        return "in REBOUND two particles of diameter 0 may collide: at most one diameter may be 0"
     if "periodic" in scene.boundaries and lengths is not None and root_boxes(lengths) is None:
         return f"the box must consist of equal cubes (squares), at most {MOST_ROOT_BOXES} along an axis"
     return None
 
 
 def root_boxes(lengths: Floats) -> tuple[float, tuple[int, ...]] | None:
-    """Edge of the largest cubes (squares) that make up the box, and their numbers along the axes; None: too many."""
+    """Edge of the largest cubes (squares) of which the box consists, and their numbers along the axes.
+
+    lengths: sides of the box, (d,), length. None if there are more than MOST_ROOT_BOXES along an axis.
+    """
     ratios = [Fraction(length / lengths.min()).limit_denominator(MOST_ROOT_BOXES) for length in lengths.tolist()]
     parts = math.lcm(*(ratio.denominator for ratio in ratios))
     numbers = tuple(int(ratio * parts) for ratio in ratios)
     edge = float(lengths.min()) / parts
-    # roundings: of the box's own lengths, of the quotient, of the edge, and of REBOUND's product
+    # rounding errors: of the box's lengths, of the quotient, of the edge, and of REBOUND's product
     exact = np.allclose(np.multiply(numbers, edge), lengths, rtol=4 * np.finfo(float).eps, atol=0)
     return (edge, numbers) if exact and max(numbers) <= MOST_ROOT_BOXES else None
 
 
 def run_collisions(scene: Scene, method: Method, search: str) -> Run:
-    """Runs a scene of hard spheres by time steps, with REBOUND's collision search of this name."""
+    """Runs a scene of hard spheres by time steps.
+
+    scene: accepted by `unsupported`. method: gives dt. search: REBOUND's name of a collision search, a value of
+    `engine.SEARCHES`. UsageError if dt is missing, or does not divide duration and interval.
+    """
     cost, times, output = Cost(), sample_times(scene, method), scene.output
     steps, every = strides(scene, method)
     gas = _Gas(scene, method, search)
@@ -102,7 +109,7 @@ def run_collisions(scene: Scene, method: Method, search: str) -> Run:
 class _Gas:
     """REBOUND's simulation of a scene, with unwrapped positions and the number of its collisions.
 
-    REBOUND's space is that of a box about the origin: `origin` is its middle. In the plane, z = 0.
+    REBOUND's box is centred at 0: `origin` is the scene's position of its centre. In the plane, z = 0.
     """
 
     def __init__(self, scene: Scene, method: Method, search: str) -> None:
@@ -119,13 +126,13 @@ class _Gas:
         self.simulation.collision, self.simulation.collision_resolve = search, self._resolve
         self.collisions, self._hardsphere = 0, rebound.clibrebound.reb_collision_resolve_hardsphere
         seed = scene.initial.seed if scene.seed is None and isinstance(scene.initial, Lattice) else scene.seed
-        # of the order in which collisions are resolved; by default it is the clock's
+        # seed of the order in which collisions are resolved; REBOUND's default is the time of day
         self.simulation.rand_seed = (seed or 0) % 2**32
         restitution = spheres.restitution
         if restitution < 1:
             self.simulation.coefficient_of_restitution = lambda simulation, speed: restitution
         if self.dimension == 2:
-            self.simulation.pre_timestep_modifications = self._flatten
+            self.simulation.pre_timestep_modifications = self._project_onto_plane
 
         self.lengths = state.lengths if "periodic" in scene.boundaries else None
         if self.lengths is not None:
@@ -139,35 +146,39 @@ class _Gas:
             self.origin = self.lengths / 2
             self.images = np.floor(state.positions / self.lengths)
         else:
-            # the octree's box is larger than the spheres can reach
+            # the octree's box contains all that the spheres can reach
             self.origin = (state.positions.max(axis=0) + state.positions.min(axis=0)) / 2
             farthest = scene.duration * self._fastest(state.velocities)
             self.simulation.root_size = 4 * (float(np.abs(state.positions - self.origin).max()) + farthest) or 1.0
-        places = state.positions - self.origin
+        wrapped_positions = state.positions - self.origin
         if self.lengths is not None:
-            places -= self.images * self.lengths
-        still = np.zeros((scene.number, _AXES_OF_SPACE - self.dimension))
-        rows = np.hstack([places, still, state.velocities, still]).tolist()
+            wrapped_positions -= self.images * self.lengths
+        zeros = np.zeros((scene.number, _AXES_OF_SPACE - self.dimension))
+        rows = np.hstack([wrapped_positions, zeros, state.velocities, zeros]).tolist()
         for row, m, diameter in zip(rows, state.masses.tolist(), state.diameters.tolist(), strict=True):
             entries = dict(zip(("x", "y", "z", "vx", "vy", "vz"), row, strict=True))
             self.simulation.add(m=m, r=diameter / 2, **entries)
 
     def advance(self, steps: int) -> None:
-        """Takes so many steps. In a periodic box no sphere moves far enough between two looks to be mistaken."""
+        """Takes this number of steps.
+
+        In a periodic box it stops so often that no sphere moves more than a quarter of a side: more could not be
+        unwrapped.
+        """
         if self.lengths is None:
             self.simulation.steps(steps)
             return
         while steps > 0:
             before, velocities = self._wrapped()
             farthest = self._fastest(velocities) * self.dt
-            room = float(self.lengths.min()) / 4
-            stretch = steps if farthest * steps <= room else max(1, int(room / farthest))
-            # of a single step the flight is known, however far it goes: collisions come after it
-            flight = velocities * self.dt if stretch == 1 else 0.0
-            self.simulation.steps(stretch)
+            limit = float(self.lengths.min()) / 4
+            taken = steps if farthest * steps <= limit else max(1, int(limit / farthest))
+            # a single step may be longer: its displacement is known, since collisions come after the flight
+            flight = velocities * self.dt if taken == 1 else 0.0
+            self.simulation.steps(taken)
             after, _ = self._wrapped()
             self.images += np.rint((before + flight - after) / self.lengths)
-            steps -= stretch
+            steps -= taken
 
     def state(self) -> tuple[Floats, Floats]:
         """Positions, unwrapped, and velocities, (N, d)."""
@@ -177,7 +188,7 @@ class _Gas:
         return positions + self.origin, velocities
 
     def _fastest(self, velocities: Floats) -> float:
-        """What no sphere's speed exceeds from now on: with all of the energy, which does not grow."""
+        """Upper bound of all later speeds: that of the lightest sphere with all of the energy, which does not grow."""
         energy = 0.5 * float(self.masses @ (velocities**2).sum(axis=1))
         return math.sqrt(2 * energy / float(self.masses.min()))
 
@@ -187,17 +198,21 @@ class _Gas:
         return positions[:, : self.dimension], velocities[:, : self.dimension]
 
     def _resolve(self, simulation: Any, collision: Any) -> int:
-        """REBOUND's resolution "hardsphere", which counts an impulse even if it is 0: of pairs that rest in contact."""
+        """REBOUND's resolution "hardsphere"; only impulses that change a velocity are counted as collisions.
+
+        REBOUND's own counter also counts the zero impulses of pairs at rest in contact.
+        """
         spheres = [simulation.contents._particles[index] for index in (collision.p1, collision.p2)]
         before = [(sphere.vx, sphere.vy, sphere.vz) for sphere in spheres]
         outcome = self._hardsphere(simulation, collision)
         self.collisions += before != [(sphere.vx, sphere.vy, sphere.vz) for sphere in spheres]
         return outcome
 
-    def _flatten(self, _: Any) -> None:
-        """Back into the plane: REBOUND turns a normal by sine and cosine of pi, whose rounding errors leave it.
+    def _project_onto_plane(self, _: Any) -> None:
+        """Sets z and v_z to 0.
 
-        Spheres out of the plane are scattered out of it, further at every collision, as fast as trajectories diverge.
+        REBOUND rotates normals with the sine and cosine of pi, whose rounding errors lead out of the plane and then
+        grow at every collision, as fast as neighbouring trajectories diverge.
         """
         state = np.empty((self.masses.size, 2 * _AXES_OF_SPACE))
         self.simulation.serialize_particle_data(xyzvxvyvz=state)

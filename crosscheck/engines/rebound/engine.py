@@ -27,7 +27,7 @@ class ReboundEngine:
     whfast: Kepler motion of each body about those before it (Jacobi coordinates: the first is meant to dominate)
     alternates with the other attractions; two bodies it solves exactly.
     ias15: adaptive, of order 15. `method.dt` is its first trial step; `cost.steps` counts the steps that it took, and
-    `cost.evaluations` is 0, since it does not tell how often it iterated.
+    `cost.evaluations` is 0, since REBOUND does not give the number of iterations.
     """
 
     name = "rebound"
@@ -54,6 +54,9 @@ class ReboundEngine:
         ),
     )
 
+    #: Thousands of steps of some hundred bodies take seconds.
+    promises = ("long_runs",)
+
     def version(self) -> str:
         import rebound
 
@@ -66,13 +69,13 @@ class ReboundEngine:
             if method.scheme == "whfast":
                 return "WHFast solves Kepler's problem, which has no softening"
             if {"potential_energy", "virial"} & set(scene.output.observables):
-                return "its energy leaves the softening out"
+                return "REBOUND's energy does not contain the softening"
         if method.scheme == "whfast":
             masses = np.atleast_1d(scene.masses)
             if scene.number < 2:
-                return "WHFast needs a body to orbit"
+                return "WHFast needs at least two bodies"
             if masses[0] <= 0:
-                return "WHFast needs a first body with mass: the others orbit it"
+                return "WHFast needs a first body with mass, about which the others orbit"
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
@@ -120,13 +123,14 @@ class ReboundEngine:
         if "potential_energy" in output.observables:
             run["potential_energy"] = total - kinetic
         if "virial" in output.observables:
-            run["virial"] = total - kinetic  # of forces as 1/r^2: r . F is the potential energy, pair by pair
+            run["virial"] = total - kinetic  # of 1/r^2 forces: r_ij . F_ij is the potential energy of the pair
         if output.forces:
             run["forces"] = _forces(scene, run["final_positions"], state.masses)
         return run
 
 
 def _simulation(scene: Scene, positions: Floats, velocities: Floats, masses: Floats) -> Any:
+    """A simulation with the bodies of the scene and their gravity."""
     import rebound
 
     assert scene.gravity is not None
@@ -140,6 +144,7 @@ def _simulation(scene: Scene, positions: Floats, velocities: Floats, masses: Flo
 
 
 def _advance(simulation: Any, method: Method, steps: int, time: float) -> None:
+    """Takes these steps; ias15, which chooses its own, integrates to this time."""
     if method.scheme == "ias15":
         simulation.integrate(time, exact_finish_time=1)
     else:

@@ -25,14 +25,14 @@ EVOLVERS = {
     "lattice_numpy": "plain.PlainGas",
     BOLTZMANN: "boltzmann.BoltzmannLattice",
 }
-#: Schemes that move soft grains: the stretch of a contact grows once a step, at the new time.
+#: Schemes that move soft grains: in them, the tangential stretch of a contact grows once a step, at the new time.
 GRAINS = ("velocity_verlet", "leapfrog", "verlet", "symplectic_euler")
 
 
 _STATES = "positions velocities"
 _SMOOTH = f"{_STATES} forces kinetic_energy potential_energy virial"
 _HARD = f"{_STATES} angular_velocities kinetic_energy potential_energy rotational_energy"
-#: Hard spheres between any walls, as they are and as soft grains.
+#: Words of hard spheres that event-driven schemes and schemes with soft contacts understand.
 _SPHERES = """
     dimension=2 dimension=3 masses[] acceleration hard_spheres.diameter hard_spheres.diameter[] hard_spheres.restitution
     hard_spheres.friction hard_spheres.friction.static hard_spheres.friction.sliding hard_spheres.friction.inertia
@@ -42,7 +42,7 @@ _SPHERES = """
     box.cylinder box.cylinder.axis=x box.cylinder.axis=y box.cylinder.axis=z box.cylinder.angular_velocity
     box.cylinder.restitution box.cylinder.friction box.cylinder.friction.static box.cylinder.friction.sliding
 """
-#: What acts at an instant, and what is counted in events.
+#: With those that need events: collision rules without a soft counterpart, and samples at numbers of collisions.
 _EVENTS = f"""{_SPHERES}
     hard_spheres.fixed hard_spheres.contact_duration hard_spheres.well box.faces.velocity box.faces.temperature
     box.faces.random_phase box.faces.random_phase.law=uniform box.faces.random_phase.law=flux output.collisions
@@ -60,6 +60,8 @@ _GASES = """
 
 
 class RefimplEngine:
+    """The algorithms of `refimpl`: all interactions and all their schemes."""
+
     name = "refimpl"
     schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()}
     schemes |= {name: Claims(kind="event_driven") for name in SCHEDULERS}
@@ -126,7 +128,7 @@ class RefimplEngine:
             from crosscheck.engines.refimpl.lattice import unsupported
 
             return unsupported(scene, method.scheme)
-        if scene.hard_spheres is not None and method.scheme not in SCHEDULERS:
+        if scene.hard_spheres is not None and self.schemes[method.scheme].kind == "stepping":
             return soft_spheres.unsupported(scene, method)
         return None
 

@@ -21,28 +21,32 @@ from refimpl.events.naive import Naive
 from refimpl.events.simulation import Simulation
 from refimpl.events.state import field_energy, kinetic_energies, rotational_energies, well_energy
 
-#: Read off the state of a simulation at the sample.
+#: Observables that follow from the state at the sample.
 _OF_STATES = ("kinetic_energy", "rotational_energy", "potential_energy")
-#: What every simulation has without measuring, and contacts of hard spheres, which take no time.
+#: Observables for which `Simulation` need not keep cumulative sums; `contact_time` is 0 for hard spheres.
 _COUNTED = (*_OF_STATES, "collisions", "events", "operation_counts", "contact_time")
 
 
 def run_events(scene: Scene, scheduler: Any) -> Run:
-    """Runs a scene of hard spheres from event to event, with one of the schedulers of `refimpl.events`."""
+    """Runs a scene of hard spheres from event to event.
+
+    scene: a scene of hard spheres. scheduler: name of a queue of events, a value of `engine.SCHEDULERS`. UsageError if
+    `refimpl.events` refuses the scene.
+    """
     state = scene.initial_state()
     output, times = scene.output, scene.samples()
     origin, lengths = _domain(state)
     run = Run({name: np.full(shape, np.nan) for name, shape in shapes(scene, times.size).items()})
     run["time"] = times
     tallied = any(name not in _COUNTED for name in output.observables)
-    with _in_words(scene):
+    with _as_usage_error(scene):
         model = hard_spheres(scene, state, lengths)
         started = time.perf_counter()
         with one_at_a_time(f"events {scheduler} {typeof(model)}"):
             start = (model, state.positions - origin, state.velocities, state.angular_velocities)
             sim: Any
             if scheduler == "naive":
-                _Naive(*start).run(until=scene.duration, changes=1)  # compiles the rules of collisions
+                _Naive(*start).run(until=scene.duration, changes=1)  # compiles the collision rules
                 sim = _Naive(*start)
             else:
                 sim = Simulation(
@@ -87,7 +91,11 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
 
 
 def hard_spheres(scene: Scene, state: State, lengths: Floats) -> Any:
-    """The model of `refimpl.events` for a scene."""
+    """The model of `refimpl.events` for `scene`.
+
+    state: its initial state. lengths: sides of the domain that is divided into cells, (d,), length. ValueError from
+    `refimpl.events` if it refuses the scene.
+    """
     spheres = scene.hard_spheres
     assert spheres is not None
     assert state.diameters is not None
@@ -113,7 +121,7 @@ def hard_spheres(scene: Scene, state: State, lengths: Floats) -> Any:
 
 
 def _friction(friction: scenes.Friction | None, inertia: float | None = None) -> Any:
-    """The law of a contact; without friction, None."""
+    """The friction record of `refimpl.events`; None without friction. inertia: q in I = q m R^2; None: the default."""
     if friction is None:
         return None
     static = math.inf if friction.static is None else friction.static
@@ -146,7 +154,7 @@ def _cylinder(scene: Scene) -> Any:
 
 
 def _domain(state: State) -> tuple[Floats, Floats]:
-    """Origin and lengths of the cells: those of the box; in open space, about the particles."""
+    """Origin and sides of the domain that is divided into cells: the box, or a box around the particles without one."""
     if state.lengths is not None:
         return np.zeros_like(state.lengths), state.lengths
     assert state.diameters is not None
@@ -156,8 +164,8 @@ def _domain(state: State) -> tuple[Floats, Floats]:
 
 
 @contextmanager
-def _in_words(scene: Scene) -> Iterator[None]:
-    """A ValueError of `refimpl.events` is about the scene."""
+def _as_usage_error(scene: Scene) -> Iterator[None]:
+    """Turns a ValueError of `refimpl.events`, which is about the scene, into a UsageError."""
     try:
         yield
     except ValueError as error:
@@ -165,13 +173,13 @@ def _in_words(scene: Scene) -> Iterator[None]:
 
 
 class _Naive(Naive):
-    """Algorithm v1.0 with the measurements of `Simulation` that need no more than the state."""
+    """The naive algorithm, with those observables of `Simulation` that follow from the state alone."""
 
     stopped = ""
 
     @property
     def events(self) -> int:
-        """Changes of state: it has no others."""
+        """Number of events: the changes of state, since this algorithm has no other events."""
         return len(self.trace)
 
     def kinetic_energy(self) -> float:
@@ -185,7 +193,7 @@ class _Naive(Naive):
 
 
 def _record(run: Run, sample: int, sim: Any, origin: Floats, tallied: bool) -> None:
-    """The observables at a sample. tallied: some of them are sums that the simulation keeps."""
+    """Writes the observables at a sample. tallied: the simulation keeps cumulative sums, and they are written too."""
     values: dict[str, Any] = {"collisions": sim.collisions, "events": sim.events, "contact_time": 0.0}
     if "positions" in run:
         state = sim.state()

@@ -8,33 +8,40 @@ import numpy as np
 
 from crosscheck.engines.protocol import Cost, Run, face_names, sample_times
 from crosscheck.engines.refimpl.stepping import integrated
-from crosscheck.engines.soft_spheres import Law, inertia_ratio, soft_spheres
+from crosscheck.engines.soft_spheres import ContactLaw, inertia_ratio, soft_spheres
 from crosscheck.scene import AXES, Floats, Method, Scene, State
 from refimpl.stepping.forces import grains as soft
 from refimpl.stepping.integrate import Integration
 
 
 def run_grains(scene: Scene, method: Method) -> Run:
-    """Runs a scene of hard spheres with the contact of `method`."""
+    """Runs a scene of hard spheres as soft ones.
+
+    scene: accepted by `soft_spheres.unsupported`. method: its contact and dt are used. UsageError if dt does not divide
+    duration and interval.
+    """
     state, output = scene.initial_state(), scene.output
     force = soft_grains(scene, state, method)
     r, v = soft.coordinates(force, state.positions, state.velocities, state.angular_velocities)
-    whole = output.trajectory or "rotational_energy" in output.observables
+    keep_states = output.trajectory or "rotational_energy" in output.observables
     done, cost = integrated(
         scene,
         method,
         force,
         r,
         v,
-        trajectory=whole or force.tallied,
+        trajectory=keep_states or force.tallied,
         thermo=bool({"kinetic_energy", "potential_energy"} & set(output.observables)),
-        last=None if whole else force.auxiliary,
+        last=None if keep_states else force.auxiliary,
     )
     return _run(scene, force, sample_times(scene, method), done, cost)
 
 
 def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
-    """The grains of `refimpl` for a scene and the method's contact."""
+    """The force record of `refimpl` for the hard spheres of `scene` as soft ones.
+
+    state: the scene's initial state, which gives masses, diameters and the box. method: gives the contact.
+    """
     contact = method.contact
     assert contact is not None
     assert state.diameters is not None
@@ -61,7 +68,7 @@ def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
         cylinder=_cylinder(scene, state, laws.cylinder),
         hertz=contact.law == "hertz",
         history=contact.friction == "history",
-        # as LAMMPS has it, whose styles for one mass and for several differ in the arms of the torques
+        # as in LAMMPS, whose styles for one mass and for several take different lever arms of the torques
         granular=bool((state.masses != state.masses[0]).any()),
         tallies=bool(
             {"collisional_virial", "contact_time", "wall_impulse", "wall_torque"} & {*scene.output.observables}
@@ -69,7 +76,7 @@ def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
     )
 
 
-def _cylinder(scene: Scene, state: State, law: Law | None) -> soft.SoftCylinder | None:
+def _cylinder(scene: Scene, state: State, law: ContactLaw | None) -> soft.SoftCylinder | None:
     cylinder = None if scene.box is None else scene.box.cylinder
     if cylinder is None or law is None:
         return None
@@ -80,27 +87,31 @@ def _cylinder(scene: Scene, state: State, law: Law | None) -> soft.SoftCylinder 
 
 
 def _run(scene: Scene, force: soft.Grains, times: Floats, done: Integration, cost: Cost) -> Run:
-    """Arrays of the flat coordinates, by name."""
+    """The run, from the flat coordinates and velocities of the integration."""
     number, d, spin = scene.number, scene.dimension, scene.spin_dimension
     asked = set(scene.output.observables)
 
-    def places(flat: Floats) -> Floats:
+    def translational(flat: Floats) -> Floats:
         return flat[..., : number * d].reshape(*flat.shape[:-1], number, d)
 
-    def turns(flat: Floats) -> Floats:
+    def rotational(flat: Floats) -> Floats:
         return flat[..., number * d : number * (d + spin)].reshape(*flat.shape[:-1], number, spin)
 
     run = Run(
-        time=times, final_positions=places(done.r), final_velocities=places(done.v), diverged=done.diverged, cost=cost
+        time=times,
+        final_positions=translational(done.r),
+        final_velocities=translational(done.v),
+        diverged=done.diverged,
+        cost=cost,
     )
     if spin:
-        run["final_angular_velocities"] = turns(done.v)
+        run["final_angular_velocities"] = rotational(done.v)
     if scene.output.trajectory:
         assert done.positions is not None
         assert done.velocities is not None
-        run["positions"], run["velocities"] = places(done.positions), places(done.velocities)
+        run["positions"], run["velocities"] = translational(done.positions), translational(done.velocities)
         if spin:
-            run["angular_velocities"] = turns(done.velocities)
+            run["angular_velocities"] = rotational(done.velocities)
     if done.thermo is not None:
         for column, name in enumerate(("kinetic_energy", "potential_energy")):
             if name in asked:
@@ -108,15 +119,18 @@ def _run(scene: Scene, force: soft.Grains, times: Floats, done: Integration, cos
     if "rotational_energy" in asked:
         assert done.velocities is not None
         inertias: Any = 1.0 if force.inverse_inertias is None else 1 / force.inverse_inertias[:, None]
-        run["rotational_energy"] = (0.5 * inertias * turns(done.velocities) ** 2).sum(axis=(1, 2))
+        run["rotational_energy"] = (0.5 * inertias * rotational(done.velocities) ** 2).sum(axis=(1, 2))
     if force.tallied:
         assert done.velocities is not None
-        run.update(_tallied(scene, force, done.velocities[:, -force.auxiliary :], asked))
+        run.update(_cumulative(scene, force, done.velocities[:, -force.auxiliary :], asked))
     return run
 
 
-def _tallied(scene: Scene, force: soft.Grains, integrals: Floats, asked: set[Any]) -> dict[str, Floats]:
-    """The tallies asked for, out of the integrals that follow the clock's."""
+def _cumulative(scene: Scene, force: soft.Grains, integrals: Floats, asked: set[Any]) -> dict[str, Floats]:
+    """The cumulative observables that are asked for.
+
+    integrals: (samples, columns), the last coordinates: time, then the integrals in the order of `refimpl`.
+    """
     d, walls = scene.dimension, len(force.walls)
     faces = list(face_names(scene))
     on_walls = integrals[:, 3 : 3 + (walls + 1) * d].reshape(-1, walls + 1, d)

@@ -17,7 +17,7 @@ BOLTZMANN = "lattice_boltzmann"
 
 
 def unsupported(scene: Scene, scheme: str) -> str | None:
-    """Why this scheme cannot run a scene of declared parts, or None."""
+    """None, or why this scheme cannot run the scene although it declares all of its words."""
     assert isinstance(scene.initial, Occupations)
     if scheme == BOLTZMANN and scene.initial.cells is not None:
         return f"'{BOLTZMANN}' moves mean occupations: remove initial.cells, which counts particles"
@@ -25,15 +25,19 @@ def unsupported(scene: Scene, scheme: str) -> str | None:
 
 
 def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
-    """The scene from its initial state; `evolver` names the class in `refimpl.lattice`."""
+    """Runs a lattice gas.
+
+    scene: a scene of a lattice gas. scheme: name of the scheme. evolver: "module.Class" in `refimpl.lattice` that moves
+    it.
+    """
     module, name = evolver.split(".")
     kind = getattr(import_module(f"refimpl.lattice.{module}"), name)
-    gas = _prepared(scene, scheme, kind)
+    gas = _initial_gas(scene, scheme, kind)
     cost = Cost()
     started = time.perf_counter()
-    with one_at_a_time(f"{scheme} {_features(scene)}"):
+    with one_at_a_time(f"{scheme} {_kernel_features(scene)}"):
         gas.advance(0)  # compiles, or loads from the cache
-        _tallied(scene, gas, set(scene.output.observables))
+        _observed(scene, gas, set(scene.output.observables))
     cost.compile = time.perf_counter() - started
 
     times = scene.samples()
@@ -44,7 +48,7 @@ def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
     for sample, moment in enumerate(times):
         with timed(cost):
             _advance(gas, int(moment), reversals)
-        for name, value in _tallied(scene, gas, names).items():
+        for name, value in _observed(scene, gas, names).items():
             run[name][sample] = value
     with timed(cost):
         _advance(gas, int(scene.duration), reversals)
@@ -54,8 +58,8 @@ def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
     return run
 
 
-def _prepared(scene: Scene, scheme: str, kind: Any) -> Any:
-    """The gas in its initial state."""
+def _initial_gas(scene: Scene, scheme: str, kind: Any) -> Any:
+    """The gas, an instance of the class `kind`, in its initial state."""
     from refimpl.lattice.gas import Forcing
 
     gas, initial, model = scene.lattice_gas, scene.initial, gas_model(scene)
@@ -72,8 +76,8 @@ def _prepared(scene: Scene, scheme: str, kind: Any) -> Any:
     return kind(model, scene.initial_sites(), seed=seed, walls=walls, forcing=forcing)
 
 
-def _features(scene: Scene) -> str:
-    """What decides which kernel is compiled."""
+def _kernel_features(scene: Scene) -> str:
+    """Name of the features that decide which kernel is compiled."""
     gas = scene.lattice_gas
     assert gas is not None
     drawn = any(obstacle.rule.startswith("diffusive") for obstacle in gas.obstacles)
@@ -81,7 +85,7 @@ def _features(scene: Scene) -> str:
 
 
 def _advance(gas: Any, moment: int, reversals: list[int]) -> None:
-    """To this time; reversals on the way are done and taken off the list."""
+    """Advances the gas to step `moment`; reversals on the way are done, and removed from the list."""
     while reversals and reversals[0] <= moment:
         gas.advance(reversals[0] - gas.time)
         gas.reverse()
@@ -89,8 +93,8 @@ def _advance(gas: Any, moment: int, reversals: list[int]) -> None:
     gas.advance(moment - gas.time)
 
 
-def _tallied(scene: Scene, gas: Any, wanted: set[str]) -> dict[str, Floats]:
-    """What is recorded of the gas now."""
+def _observed(scene: Scene, gas: Any, wanted: set[str]) -> dict[str, Floats]:
+    """The wanted observables at the present step."""
     found: dict[str, Any] = {}
     if "populations" in wanted:
         across, down = scene.output.fields or (1, 1)
@@ -98,7 +102,7 @@ def _tallied(scene: Scene, gas: Any, wanted: set[str]) -> dict[str, Floats]:
     if "force_impulse" in wanted:
         assert scene.lattice_gas is not None
         assert scene.lattice_gas.force is not None
-        # a particle that is turned from -x to +x takes up twice its momentum
+        # a particle that is turned from -x to +x changes its momentum by 2
         found["force_impulse"] = gas.impulses * 2 * np.copysign(1.0, scene.lattice_gas.force)
     if "h_function" in wanted:
         found["h_function"] = gas.h_function

@@ -25,7 +25,13 @@ def integrated(
     thermo: bool,
     last: int | None = None,
 ) -> tuple[Integration, Cost]:
-    """The step loop over the scene's duration, compiled apart; arguments as of `refimpl.stepping.integrate`."""
+    """Integrates over the duration of `scene`; the result of `refimpl.stepping.integrate.integrate`, and the cost.
+
+    Compilation is done before, and is not part of the cost of the integration. scene: gives duration and interval.
+    method: scheme and dt. force: a force record of `refimpl`. r, v: flat coordinates and velocities, (n,). trajectory,
+    thermo: whether to record the states, and the energies and the virial, at the samples. last: record so many of the
+    last coordinates instead of all; None: all. UsageError if dt does not divide duration and interval.
+    """
     from numba import typeof
 
     from refimpl.stepping.integrate import compile_steps, integrate
@@ -50,6 +56,11 @@ def integrated(
 
 
 def run_steps(scene: Scene, method: Method) -> Run:
+    """Runs a scene of springs, gravity or Lennard-Jones particles.
+
+    scene, method: as for `Engine.run`. UsageError if dt does not divide duration and interval.
+    """
+
     from refimpl.stepping.integrate import acceleration
 
     state, output = scene.initial_state(), scene.output
@@ -87,7 +98,7 @@ def run_steps(scene: Scene, method: Method) -> Run:
 
 
 def force_record(scene: Scene, state: State) -> Any:
-    """The force record of `refimpl` for a scene."""
+    """The force record of `refimpl` for a scene. state: its initial state, which gives masses, species and the box."""
     if scene.spring is not None:
         from refimpl.stepping.forces.spring import spring
 

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept: a directory that belongs to exactly these sources of `refimpl`."""
+"""The directory of compiled kernels, one for each state of the sources of `refimpl`."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from pathlib import Path
 
 
 def kernel_cache(directory: Path | None = None) -> Path:
-    """A writable directory for numba's cache, by default under the user's own, named by the content of `refimpl`.
+    """A writable directory for numba's cache.
 
-    numba looks only at the time stamp of a kernel's own file, not at the functions that it calls: it would serve stale
-    kernels after a change elsewhere. A name from the content of all sources cannot.
+    directory: returned as it is; None: a directory in the user's cache directory, or else in that of temporary files,
+    whose name is a hash of all sources of `refimpl`. numba compares only the time stamp of a kernel's own file, so it
+    would load a stale kernel after a change in a function that the kernel calls; with a new name it cannot.
     """
     if directory is not None:
         return directory
@@ -37,9 +38,10 @@ def kernel_cache(directory: Path | None = None) -> Path:
 
 @contextmanager
 def one_at_a_time(what: str) -> Iterator[None]:
-    """Lets one worker at a time compile `what`: the others wait, and then load it from the cache.
+    """Lets one worker at a time compile a kernel: the others wait, and then load it from the cache.
 
-    The lock is a file in numba's cache directory; without one, nothing is shared and nothing is locked.
+    what: name of the kernel. The lock is a file in numba's cache directory; without NUMBA_CACHE_DIR no cache is shared,
+    and nothing is locked.
     """
     directory = os.environ.get("NUMBA_CACHE_DIR")
     if directory is None:

@@ -1,4 +1,4 @@
-"""The parent's side: each engine in a persistent worker process, restarted after a crash or a hang."""
+"""Engines in worker processes, as the suite's process sees them: kept between runs, restarted after a crash or hang."""
 
 from __future__ import annotations
 
@@ -23,16 +23,22 @@ from crosscheck.scene import Method, Scene
 
 #: Seconds that one call may take before its worker counts as hung.
 TIME_LIMIT = 900.0
+#: Number of lines of a worker's output in an error message.
 _LAST_LINES = 15
-_FAREWELL = 0.2  # seconds that a hung worker gets to say where it hangs
+#: Seconds that a hung worker gets to write its stack to the log.
+_SECONDS_FOR_STACK = 0.2
 # -P: the current directory must not come before a fault's overlay
 _WORKER = (sys.executable, "-P", "-m", "crosscheck.engines.workers.worker")
 
 
 class Worker:
-    """One engine's process. Not shared between threads.
+    """One engine's process, started at the first call. Not to be shared between threads.
 
-    overlay: a directory put first on the path, which holds another `refimpl` (a planted fault).
+    engine: its name, or path.py:Class. overlay: a directory put first on the path, which holds a `refimpl` with a
+    planted fault. time_limit: seconds that one call may take.
+
+    All calls raise EngineMissing if the engine cannot run on this machine, UsageError for mistakes in scene or method,
+    and EngineError, with the last lines of the engine's output, if it fails, crashes or exceeds the time limit.
     """
 
     def __init__(self, engine: str, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> None:
@@ -43,20 +49,22 @@ class Worker:
         self._directory = tempfile.TemporaryDirectory(prefix="crosscheck-")
         atexit.register(self.close)
 
-    # -- the three questions of the protocol -------------------------------------------------------
+    # -- the methods of `Engine` -------------------------------------------------------------------
 
     def version(self) -> str:
-        return str(self._ask({"call": "version"})["version"])
+        """See `Engine.version`."""
+        return str(self._call({"call": "version"})["version"])
 
     def supports(self, scene: Scene, method: Method) -> str | None:
-        reply = self._ask({"call": "supports", "scene": scene.to_json(), "method": method.model_dump_json()})
+        """None, or why the engine cannot run `scene` with `method`: by its capabilities, or by `Engine.supports`."""
+        reply = self._call({"call": "supports", "scene": scene.to_json(), "method": method.model_dump_json()})
         return None if reply["reason"] is None else str(reply["reason"])
 
     def run(self, scene: Scene, method: Method) -> Run:
-        """Raises EngineMissing, Unsupported, UsageError, or EngineError with the engine's last lines."""
+        """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it."""
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         path = Path(self._directory.name) / "run.npz"
-        reply = self._ask({"call": "run", "path": str(path), **texts})
+        reply = self._call({"call": "run", "path": str(path), **texts})
         if "unsupported" in reply:
             raise Unsupported(f"{self.engine}: {reply['unsupported']}")
         with np.load(path) as arrays:
@@ -90,7 +98,7 @@ class Worker:
         os.set_blocking(requests_write, False)
         self._requests, self._answers, self._buffer = requests_write, answers_read, b""
 
-    def _ask(self, request: dict[str, Any]) -> dict[str, Any]:
+    def _call(self, request: dict[str, Any]) -> dict[str, Any]:
         if self._process is None or self._process.poll() is not None:
             self._stop()
             self._start()
@@ -104,8 +112,8 @@ class Worker:
             self._stop()
             raise EngineError(f"{self.engine} {ended}\n{self._last_lines()}") from None
         except TimeoutError:
-            self._process.send_signal(signal.SIGUSR1)  # "where are you?", answered in the log
-            time.sleep(_FAREWELL)
+            self._process.send_signal(signal.SIGUSR1)  # the worker writes its Python stack to the log
+            time.sleep(_SECONDS_FOR_STACK)
             self._stop()
             raise EngineError(
                 f"{self.engine} gave no answer within {self.time_limit:g} s and was stopped\n{self._last_lines()}"
@@ -167,7 +175,7 @@ def _wait(deadline: float, *, read: int | None = None, write: int | None = None)
 
 
 def _environment(overlay: Path | None) -> dict[str, str]:
-    """One thread per engine; a fault's overlay first on the path, with its kernels beside it."""
+    """Environment of a worker: one thread; an overlay first on the path, with its compiled kernels beside it."""
     environment = dict(os.environ)
     environment.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", NUMBA_NUM_THREADS="1")
     environment["NUMBA_CACHE_DIR"] = str(kernel_cache(overlay / "kernels" if overlay else None))
@@ -177,7 +185,10 @@ def _environment(overlay: Path | None) -> dict[str, str]:
 
 
 class Pool:
-    """The workers of one thread, one per engine, started when first asked."""
+    """The workers of one thread, one per engine.
+
+    overlay: see `Worker`; only `refimpl` gets it. time_limit: seconds that one call may take.
+    """
 
     def __init__(self, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> None:
         self._workers: dict[str, Worker] = {}
@@ -185,12 +196,14 @@ class Pool:
         self._time_limit = time_limit
 
     def worker(self, engine: str) -> Worker:
+        """The worker of this engine (a name, or path.py:Class), the same one at every call."""
         if engine not in self._workers:
             overlay = self._overlay if engine == "refimpl" else None
             self._workers[engine] = Worker(engine, overlay, self._time_limit)
         return self._workers[engine]
 
     def close(self) -> None:
+        """Ends all workers."""
         for worker in self._workers.values():
             worker.close()
         self._workers.clear()

@@ -1,7 +1,7 @@
-"""The engine's side of the pipe: `python -P -m crosscheck.engines.workers.worker <engine> <read fd> <write fd>`.
+"""The worker process of an engine: `python -P -m crosscheck.engines.workers.worker <engine> <read fd> <write fd>`.
 
-One request a line, JSON in, JSON out; arrays leave as an .npz file whose path is in the answer. The engine's own output
-goes to stdout and stderr, which the parent has pointed at a log.
+A request is one line of JSON, and so is its answer. Arrays are written to an .npz file whose path is in the request.
+What the engine prints goes to stdout and stderr, which the parent process has redirected to a log file.
 """
 
 from __future__ import annotations
@@ -28,7 +28,12 @@ from crosscheck.scene.observables import TABLE
 
 
 def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
-    """The answer to one request: `version`, `supports` or `run`."""
+    """The answer to one request.
+
+    engine: an instance. request: "call" is "version", "supports" or "run"; the latter two hold "scene" and "method" as
+    JSON texts, and "run" the "path" of the file for the arrays. UsageError for a mistake in scene or method; ValueError
+    if a run holds arrays of other shapes than the scene asks for; any exception of the engine.
+    """
     if request["call"] == "version":
         return {"version": engine.version()}
     scene = Scene.from_json(request["scene"])
@@ -39,15 +44,15 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     if reason is not None:
         return {"unsupported": reason}
     _check_step(engine.schemes[method.scheme], method)
-    wanted = _measured(scene)
+    wanted = _without_derived(scene)
     run = engine.run(wanted, method)
-    _check(run, wanted, method)
-    np.savez(request["path"], allow_pickle=False, **_asked(run, scene))
+    _check_arrays(run, wanted, method)
+    np.savez(request["path"], allow_pickle=False, **_asked_arrays(run, scene))
     return {"diverged": bool(run.diverged), "stopped": str(run.stopped), "cost": dataclasses.asdict(run.cost)}
 
 
-def _measured(scene: Scene) -> Scene:
-    """The scene that asks for what its derived observables need, in place of them."""
+def _without_derived(scene: Scene) -> Scene:
+    """The scene with its derived observables replaced by those that they need."""
     derived = {name: row for name, row in scene.asked().items() if row.derive is not None}
     if not derived:
         return scene
@@ -68,8 +73,8 @@ def _measured(scene: Scene) -> Scene:
     )
 
 
-def _asked(run: Run, scene: Scene) -> dict[str, Floats]:
-    """The arrays that the scene asks for; derived ones from the others."""
+def _asked_arrays(run: Run, scene: Scene) -> dict[str, Floats]:
+    """The arrays that the scene asks for, the derived ones computed from the others."""
     asked = scene.asked()
     masses = scene.initial_state().masses if any(row.derive is not None for row in asked.values()) else np.zeros(0)
     return {name: run[name] if row.derive is None else row.derive(masses, run) for name, row in asked.items()}
@@ -84,20 +89,23 @@ def _check_step(claims: Claims, method: Method) -> None:
         raise UsageError(f"method.dt = {method.dt:g}: scheme '{method.scheme}' {how}: remove dt")
 
 
-def _check(run: Run, scene: Scene, method: Method) -> None:
-    """Refuses a malformed answer here, where the engine's name is known, not in the analysis later."""
+def _check_arrays(run: Run, scene: Scene, method: Method) -> None:
+    """ValueError if arrays are missing or have wrong shapes: here it names the engine; a check would fail obscurely."""
     samples, expected = len(run["time"]), len(sample_times(scene, method))
     if samples != expected:
         raise ValueError(f"run['time'] has {samples} samples, the scene asks for {expected}")
     for name, shape in shapes(scene, samples).items():
-        met = run[name].shape if name in run else None
-        if met != shape:
-            found = "nothing" if met is None else f"shape {met}"
+        returned = run[name].shape if name in run else None
+        if returned != shape:
+            found = "nothing" if returned is None else f"shape {returned}"
             raise ValueError(f"run['{name}'] must have shape {shape}, found {found}")
 
 
 def serve(engine_name: str, read_fd: int, write_fd: int) -> None:
-    """Answers requests until the pipe closes."""
+    """Answers requests until the pipe closes.
+
+    engine_name: a name, or path.py:Class. read_fd, write_fd: file descriptors of the pipes for requests and answers.
+    """
     engine: Engine | None = None
     with os.fdopen(read_fd) as requests, os.fdopen(write_fd, "w") as answers:
         for line in requests:
@@ -115,7 +123,7 @@ def serve(engine_name: str, read_fd: int, write_fd: int) -> None:
 
 
 def _missing(engine: Engine | None, error: Exception) -> dict[str, str] | None:
-    """An engine is missing if it cannot be imported or cannot tell its version; any other failure is an error."""
+    """The answer "missing" if the engine cannot be imported or `version` fails; None for any other error."""
     if not isinstance(error, ImportError | OSError):
         return None
     if engine is not None:
@@ -129,9 +137,9 @@ def _missing(engine: Engine | None, error: Exception) -> dict[str, str] | None:
 
 
 if __name__ == "__main__":
-    # a crash, and SIGUSR1 before a hung worker is ended, leave the place in the log
+    # a crash, and the signal SIGUSR1, by which the parent asks a hung worker, write the Python stack to the log
     faulthandler.enable()
     faulthandler.register(signal.SIGUSR1)
-    # compilers make hosts of small objects that stay: to look through them each time costs a tenth of the compilation
+    # compilers make many small objects that stay alive; collecting garbage less often saves a tenth of the compile time
     gc.set_threshold(200_000, 20, 100)
     serve(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))

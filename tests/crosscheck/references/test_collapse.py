@@ -135,3 +135,9 @@ def test_a_row_collapses_on_a_wall_below_the_limit_only(number: int, share: floa
     alpha = share * collapse.wall_collapse(number)
     line = collapse.line_collisions(np.linspace(1.0, 2.0, number), np.full(number, -1.0), alpha, True)
     assert line.collapsed == (share < 1)
+
+
+def test_first_impact_of_a_bouncing_ball_is_where_the_parabola_meets_the_floor() -> None:
+    ball = collapse.BouncingBall(0.7, 0.6, 9.81)
+    assert ball.height - ball.gravity * ball.fall**2 / 2 == pytest.approx(0.0, abs=1e-15)
+    assert ball.fall == ball.impact_time(1)

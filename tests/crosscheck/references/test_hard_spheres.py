@@ -207,3 +207,21 @@ def test_rate_and_pressure_of_few_particles_agree(dimension: int) -> None:
     assert hs.excess_from_rate(np.array([rate, 2 * rate]), number, dimension) == pytest.approx(
         [expected, 2 * expected], rel=1e-12
     )
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_smooth_compressibility_is_within_a_few_per_mille_of_the_fluid(dimension: int) -> None:
+    for eta in np.linspace(0.01, 0.45, 12):
+        known = hs.compressibility(eta, dimension)
+        assert hs.smooth_compressibility(eta, dimension) == pytest.approx(known.value, rel=4e-3)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_number_correction_is_that_of_the_pressure_s_derivatives(dimension: int) -> None:
+    """(eta/2N) d(ln P')/d eta, from a polynomial through P = eta Z in place of differences."""
+    eta, number = 0.3, 50
+    nodes = eta + 0.1 * np.cos(np.pi * (np.arange(12) + 0.5) / 12)
+    pressure = np.polynomial.Chebyshev.fit(nodes, [x * hs.smooth_compressibility(x, dimension) for x in nodes], 11)
+    curvature, slope = pressure.deriv(2)(eta), pressure.deriv(1)(eta)
+    expected = eta / (2 * number) * curvature / slope
+    assert hs.number_correction(eta, number, dimension) == pytest.approx(expected, rel=2e-5)

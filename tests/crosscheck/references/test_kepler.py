@@ -229,3 +229,12 @@ def test_a_shadow_is_kept_to_the_order_that_it_claims(shadow: kepler.Shadow) -> 
                 v = half + kick(r, 0.5 * h)
         departures.append(np.ptp(modified))
     assert np.log2(departures[0] / departures[1]) == pytest.approx(shadow.power + shadow.gain, abs=0.1)
+
+
+def test_relative_is_the_difference_of_the_two_bodies() -> None:
+    for a, state in zip(
+        kepler.relative_orbit(0.7, 0.3, 2.0, 1.5 * 4.0),
+        kepler.two_bodies(0.7, [1.0, 3.0], 0.3, 2.0, 1.5),
+        strict=True,
+    ):
+        assert kepler.relative(state) == pytest.approx(a, rel=1e-12)

@@ -11,7 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from crosscheck.references.lennard_jones import PairSum, equation_of_state, pair_sum, tail, tail_corrections
+from crosscheck.references.lennard_jones import (
+    PairSum,
+    equation_of_state,
+    open_cluster,
+    pair_sum,
+    tail,
+    tail_corrections,
+)
 from crosscheck.scene import Box, LennardJones, Scene, Wall, explicit
 
 TRUNCATIONS = ("truncated", "shifted", "force_shifted")
@@ -264,3 +271,27 @@ def test_dilute_gas_follows_the_second_virial_coefficient(temperature: float, b2
     density = 1e-3
     point = equation_of_state(temperature, density)
     assert point.pressure / (density * temperature) - 1 == pytest.approx(b2 * density, rel=0.03)
+
+
+def test_open_cluster_of_two_turns_about_its_centre_and_keeps_its_period() -> None:
+    """Small radial oscillations about the minimum: omega^2 = phi''/mu = 2 * 72/2^(1/3); energy by a direct sum."""
+    rest, shift = 2 ** (1 / 6), 1e-4
+    x = np.array([[0.0, 0.0], [rest + shift, 0.0]])
+    period = 2 * math.pi / math.sqrt(2 * 72 / 2 ** (1 / 3))
+    times = np.array([period / 2, period])
+    half, full = open_cluster(x, np.zeros((2, 2)), times)
+    assert half[1, 0] - half[0, 0] - rest == pytest.approx(-shift, rel=2e-3)
+    assert full[1, 0] - full[0, 0] - rest == pytest.approx(shift, rel=2e-3)
+    assert full.mean(axis=0) == pytest.approx(x.mean(axis=0), abs=1e-12)
+
+
+def test_open_cluster_keeps_a_pair_on_its_circle() -> None:
+    """A pair at distance r turns on a circle if mu v^2/r balances -phi'(r): r = 1.3, of the attractive part."""
+    r = 1.3
+    pull = 24 * (r**-7 - 2 * r**-13)
+    speed = math.sqrt(pull * r / 2)  # of each about the centre: v^2/(r/2) = pull
+    x, v = np.array([[-r / 2, 0.0], [r / 2, 0.0]]), np.array([[0.0, -speed], [0.0, speed]])
+    times = np.array([0.25, 0.5]) * 2 * math.pi * (r / 2) / speed
+    quarter, half = open_cluster(x, v, times)
+    assert quarter[1] == pytest.approx([0.0, r / 2], abs=1e-9)
+    assert half == pytest.approx(-x, abs=1e-9)

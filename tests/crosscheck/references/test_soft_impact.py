@@ -472,3 +472,11 @@ def test_refusals() -> None:
         for rule in (si.soft_impact, si.hard_impact):
             with pytest.raises(ValueError, match=words):
                 rule(1.0, bad)
+
+
+def test_frequency_is_that_of_the_elastic_contact() -> None:
+    """Without damping the contact is half a turn of the oscillator."""
+    impact = si.HookeImpact(mass=0.3, stiffness=7.0, speed=1.1, alpha=1.0)
+    assert impact.frequency * impact.contact_time == pytest.approx(math.pi)
+    t = 0.1 * impact.contact_time
+    assert impact.frequency**2 == pytest.approx(impact.force(t) / (impact.mass * impact.overlap(t)))

@@ -228,3 +228,11 @@ def test_sticking_bound_holds_at_every_phase(
     contact = SoftContact(alpha, alpha_t if history else max(abs(alpha_t), 0.05), math.inf, 0.4, law)  # type: ignore[arg-type]
     found = _stick(contact, 1 / steps, phase)
     assert abs(found - contact.alpha_t) <= sticking_bound(contact, 1 / steps) + 10 * EPSILON
+
+
+@pytest.mark.parametrize("c", [0.0, 0.1, 1.0])
+def test_ends_bound_the_half_steps_of_both_ends(c: float) -> None:
+    """Half a step of damping at either end, (1 - c h)^(1/2) each, and cos of half a step's turn, 1 - h^2/8, twice."""
+    step = 1e-3
+    ends = math.log((1 - c * step) ** 0.5 * math.cos(step / 2)) * 2
+    assert SteppedContact(c, step).ends == pytest.approx(-ends, rel=1e-5)

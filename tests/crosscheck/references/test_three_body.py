@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from crosscheck.references import EPSILON
 from crosscheck.references.three_body import (
     FIGURE_EIGHT,
     GREATEST_GRADIENT,
@@ -92,3 +93,11 @@ def test_gradients_of_what_is_conserved(conserved) -> None:  # type: ignore[no-u
         gradient[k] = (after - before) / 2e-6
     assert np.linalg.norm(gradient) == pytest.approx(2.35 if conserved is energy else 2.11, abs=0.01)
     assert np.linalg.norm(gradient) < GREATEST_GRADIENT
+
+
+@pytest.mark.parametrize(("even", "size"), [(True, 30.3), (False, 46.1)])
+def test_rounding_error_is_the_spread_of_a_sum_of_roundings(even: bool, size: float) -> None:
+    """Roundings are uniform over one unit: a sum of them, carried with one gain, by drawing them."""
+    steps = 400
+    draws = np.random.default_rng(3).uniform(-0.5, 0.5, (4000, steps)).sum(axis=1) * EPSILON * size
+    assert FIGURE_EIGHT.rounding_error(steps, even) == pytest.approx(draws.std(), rel=0.05)

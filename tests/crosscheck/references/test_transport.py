@@ -152,3 +152,21 @@ def test_frictions_in_series() -> None:
     assert transport.friction_in_series(1e12, mass, 3.0) == pytest.approx(3.0 / mass, rel=1e-9)
     one = transport.friction_in_series(gamma, mass, 3.0)
     assert 1 / (mass * one) == pytest.approx(1 / (mass * gamma) + 1 / 3.0, rel=1e-12)
+
+
+def test_periodic_diffusion_shift_is_the_sum_over_periodic_images() -> None:
+    """D lacks 2.837297 T/(6 pi viscosity L): the mean over directions of Oseen's tensor, summed by Ewald's method."""
+    density, number = 0.5, 200
+    side = (number / density) ** (1 / 3)
+    # sum over images of 1/(6 pi viscosity r) less its uniform background, in the units of 1/L: -2.837297
+    spread = 2.0
+    cells = np.stack(np.meshgrid(*[np.arange(-6, 7)] * 3), axis=-1).reshape(-1, 3)
+    square = (cells**2).sum(axis=-1)
+    square = square[square > 0]
+    near = sum(math.erfc(spread * r) / r for r in np.sqrt(square))
+    far = np.sum(np.exp(-(np.pi**2) * square / spread**2) / (np.pi * square))
+    wigner = near + far - np.pi / spread**2 - 2 * spread / math.sqrt(np.pi)
+    viscosity = transport.enskog_viscosity(hs.packing_fraction(density, 3))
+    shift = transport.periodic_diffusion_shift(density, number)
+    assert shift == pytest.approx(-wigner / (6 * np.pi * viscosity * side), rel=1e-6)
+    assert transport.periodic_diffusion_shift(density, math.inf) == 0.0

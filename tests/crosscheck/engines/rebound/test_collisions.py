@@ -306,7 +306,7 @@ def _species(**entries: Any) -> dict[str, Any]:
         (_species(restitution=0.0), "counts a pair again"),
         (_species(restitution=0.0) | {"output": Output()}, None),
         ({"hard_spheres": HardSpheres(diameter=(0.0, 1.0))}, None),
-        ({"hard_spheres": HardSpheres(diameter=0.0)}, "two points"),
+        ({"hard_spheres": HardSpheres(diameter=0.0)}, "at most one diameter may be 0"),
         (_species(friction=GrainFriction(tangential_restitution=0.5)), "no hard_spheres.friction"),
         (_species(well=Well(depth=1.0, range=1.2)), "no hard_spheres.well"),
         (_species(contact_duration=0.1), "no hard_spheres.contact_duration"),
