@@ -38,13 +38,13 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
         return {"version": engine.version()}
     scene = Scene.from_json(request["scene"])
     method = resolved(scene, Method.model_validate_json(request["method"]))
-    reason = refusal(engine, scene, method) or engine.supports(scene, method)
+    wanted = _without_derived(scene)
+    reason = refusal(engine, wanted, method) or engine.supports(wanted, method)
     if request["call"] == "supports":
         return {"reason": reason}
     if reason is not None:
         return {"unsupported": reason}
     _check_step(engine.schemes[method.scheme], method)
-    wanted = _without_derived(scene)
     run = engine.run(wanted, method)
     _check_arrays(run, wanted, method)
     np.savez(request["path"], allow_pickle=False, **_asked_arrays(run, scene))

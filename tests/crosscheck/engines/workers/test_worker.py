@@ -29,7 +29,7 @@ class Engine:
         name: Claims((1, 1))
         for name in "good abort segfault sleep spin raise exit close short odd refuse".split() + ["no disk"]
     }
-    capabilities = (capability("spring", "stepping", words="dimension=1", observables="velocities"),)
+    capabilities = (capability("spring", "stepping", words="dimension=1", observables="positions velocities"),)
 
     def version(self):
         return "1"
