@@ -25,6 +25,7 @@ from crosscheck.engines.lammps.instance import FEW, Atoms, advance, box, pair_vi
 from crosscheck.engines.protocol import Run, shapes, strides
 from crosscheck.engines.soft_spheres import ContactLaw, SoftSpheres
 from crosscheck.scene import AXES, Contact, Cylinder, Face, Method, Oscillation, Scene, State
+from crosscheck.scene.observables import TABLE
 
 #: Stands for no limit of friction: LAMMPS's largest coefficient of friction.
 _MOST_FRICTION = 1e4
@@ -330,7 +331,9 @@ def _read(lammps: Any, lmp: Any, scene: Scene, run: Run, good: int, dt: float, e
     style = lammps.LMP_TYPE_VECTOR if width == 1 else lammps.LMP_TYPE_ARRAY
     for i, j in np.ndindex(good, width):
         table[i, j] = lmp.extract_fix("samples", lammps.LMP_STYLE_GLOBAL, style, i, j)
-    tallies = {rate.observable: np.zeros(shapes(scene, run["time"].size)[rate.observable]) for rate in rates}
+    wanted = shapes(scene, run["time"].size)
+    # of walls that are not there too: zeros
+    tallies = {name: np.zeros(wanted[name]) for name in scene.output.observables if TABLE[name].cumulative}
     run.update({name: table[:, column] for column, name in enumerate(energies)})
     now, mean = np.split(table[:, len(energies) :], 2, axis=1)
     parts = dt * (every * mean[1:] + (now[:-1] - now[1:]) / 2)

@@ -185,6 +185,19 @@ def test_across_the_edge_of_the_box(lammps: Worker) -> None:
         np.testing.assert_allclose(through[name], inside[name], atol=1e-11)
 
 
+def test_walls_that_are_not_there_take_up_no_momentum(lammps: Worker) -> None:
+    scene = Scene(
+        name="gas",
+        dimension=2,
+        duration=0.1,
+        hard_spheres=HardSpheres(),
+        box=Box(packing_fraction=0.4),
+        initial=Lattice(kind="lattice", structure="triangular", number=8, temperature=1.0, seed=3),
+        output=Output(interval=0.05, observables=("wall_impulse",)),
+    )
+    np.testing.assert_array_equal(lammps.run(scene, method(1e-3))["wall_impulse"], np.zeros((3, 4, 2)))
+
+
 def test_sampling_changes_nothing(lammps: Worker) -> None:
     scene = Scene(
         name="gas",
