@@ -162,11 +162,16 @@ class _CasesOfThreads:
     """Cases divided among threads: each has a contiguous part, and afterwards takes from the end of the longest part.
 
     Neighbouring cases need the same compiled kernels. Threads that took them in turn would wait for each other's
-    compilations.
+    compilations; so a part begins with a check where one begins nearby.
     """
 
     def __init__(self, cases: list[Case], threads: int) -> None:
+        starts = [i for i in range(1, len(cases)) if cases[i].check != cases[i - 1].check]
         edges = [len(cases) * k // threads for k in range(threads + 1)]
+        reach = len(cases) // (4 * threads)
+        for k in range(1, threads):
+            near = [start for start in starts if abs(start - edges[k]) <= reach]
+            edges[k] = min(near, key=lambda start: abs(start - edges[k]), default=edges[k])
         self._parts = [deque(cases[start:end]) for start, end in pairwise(edges)]
         self._part_of_thread: dict[int, deque[Case]] = {}
         self._lock = threading.Lock()

@@ -14,7 +14,7 @@ from crosscheck.checks.base import Check, Laboratory, full, quick, schemes_with
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
-from crosscheck.runner import Case, close_pools, find, judge, run, select, unmatched
+from crosscheck.runner import Case, _CasesOfThreads, close_pools, find, judge, run, select, unmatched
 from crosscheck.scene import Explicit, Method, Scene, Spring
 from crosscheck.verdict import Judgement, Verdict, round_off
 
@@ -297,6 +297,18 @@ def test_threads_start_far_apart_and_share_what_is_left(monkeypatch: pytest.Monk
     offer(monkeypatch, check("a/b", busy, variants=quick(*"abcdefgh")))
     assert {verdict.outcome for verdict in run(select([], "quick", ["refimpl"]), 0, 2)} == {"pass"}
     assert sorted(done.values()) == [["a"], ["e", "f", "g", "h", "d", "c", "b"]]
+
+
+def test_a_thread_begins_with_a_check_where_one_begins_nearby() -> None:
+    """Two threads in one check would compile the same kernels at the same time, and one of them wait."""
+    cases = [
+        Case(name, variant, "refimpl", False)
+        for name, variants in (("a/b", "abcde"), ("a/c", "xyz"))
+        for variant in variants
+    ]
+    assert [len(part) for part in _CasesOfThreads(cases, 2)._parts] == [5, 3]
+    # none begins near the middle
+    assert [len(part) for part in _CasesOfThreads(cases[:5], 2)._parts] == [2, 3]
 
 
 def test_an_executor_that_is_given_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
