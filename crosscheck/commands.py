@@ -96,7 +96,7 @@ def show(name: str) -> None:
         ("equation", check.equation),
         ("criterion", check.criterion),
         ("citation", check.citation),
-        ("needs", "; ".join(_needs_as_text(one) for one in _needs(check))),
+        ("needs", "; ".join(_needs_as_text(one) for one in check.all_needs)),
     ):
         console.print(f"  {label:<10} {text}", highlight=False, markup=False)
     for engine, variants in _variants_by_engine(check).items():
@@ -107,10 +107,6 @@ def show(name: str) -> None:
     for variant, fault in check.faults:
         text = f"  {'fault':<10} {fault.name} (seen by {variant}): {fault.breaks}"
         console.print(text, highlight=False, markup=False)
-
-
-def _needs(check: Check) -> tuple[Needs, ...]:
-    return check.needs if isinstance(check.needs, tuple) else (check.needs,)
 
 
 def _needs_as_text(needs: Needs) -> str:

@@ -70,7 +70,7 @@ def unmatched(check: Check, name: str, engine: type[Engine]) -> str | None:
     """
     if name in (check.reference if isinstance(check.reference, tuple) else (check.reference,)):
         return "it is the engine that the check compares others with"
-    for needs in check.needs if isinstance(check.needs, tuple) else (check.needs,):
+    for needs in check.all_needs:
         reason = lacks(engine, needs)
         if reason is not None:
             return reason

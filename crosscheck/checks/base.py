@@ -114,6 +114,11 @@ class Check:
     reference: str | tuple[str, ...] | None = None
     timing: bool = False
 
+    @property
+    def all_needs(self) -> tuple[Needs, ...]:
+        """The needs as a tuple, of one too."""
+        return self.needs if isinstance(self.needs, tuple) else (self.needs,)
+
     def offered(self, schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
         """The variants for an engine with these schemes; schemes: its claims, by scheme."""
         return self.variants if isinstance(self.variants, tuple) else tuple(self.variants(schemes))
