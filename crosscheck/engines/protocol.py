@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import resource
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
@@ -74,7 +74,8 @@ class Run(dict[str, Floats]):
 
     arrays, named: the arrays, as one mapping or as keyword arguments, in the units of the scene. diverged: the run met
     a state that is not finite, or lost particles, and stopped there. stopped: why the run ended before its time
-    (inelastic collapse), or ""; the final state is then that at its end. cost: None: all zero.
+    (inelastic collapse), or ""; the final state is then that at its end. cost: None: all zero. remarks: whole sentences
+    on what a user must know of a run that went to its end, such as simultaneous events whose order decides the outcome.
     """
 
     def __init__(
@@ -85,12 +86,14 @@ class Run(dict[str, Floats]):
         diverged: bool = False,
         stopped: str = "",
         cost: Cost | None = None,
+        remarks: Sequence[str] = (),
         **named: Floats,
     ) -> None:
         super().__init__({**(arrays or {}), **named})
         self.diverged = diverged
         self.stopped = stopped
         self.cost = Cost() if cost is None else cost
+        self.remarks = tuple(remarks)
 
     def __missing__(self, name: str) -> Floats:
         raise KeyError(f"the run holds no '{name}': the scene did not ask for it; it has {', '.join(self)}")

@@ -70,7 +70,13 @@ class Worker:
         with np.load(path) as arrays:
             found = {name: arrays[name] for name in arrays}
         path.unlink()
-        return Run(found, diverged=reply["diverged"], stopped=reply["stopped"], cost=Cost(**reply["cost"]))
+        return Run(
+            found,
+            diverged=reply["diverged"],
+            stopped=reply["stopped"],
+            cost=Cost(**reply["cost"]),
+            remarks=reply["remarks"],
+        )
 
     def close(self) -> None:
         """Ends the process and removes its files."""

@@ -48,7 +48,12 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     run = engine.run(wanted, method)
     _check_arrays(run, wanted, method)
     np.savez(request["path"], allow_pickle=False, **_asked_arrays(run, scene))
-    return {"diverged": bool(run.diverged), "stopped": str(run.stopped), "cost": dataclasses.asdict(run.cost)}
+    return {
+        "diverged": bool(run.diverged),
+        "stopped": str(run.stopped),
+        "cost": dataclasses.asdict(run.cost),
+        "remarks": list(run.remarks),
+    }
 
 
 def _without_derived(scene: Scene) -> Scene:
