@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Optional
 
 import typer
+
+from crosscheck.engines.workers.ending import TIME_LIMIT, interruptible
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -21,6 +24,23 @@ Engines = Annotated[
         "--engine",
         "-e",
         help="Engine to judge: a name, or path.py:Class. Repeatable. Default: all installed.",
+    ),
+]
+
+
+def _positive(seconds: float) -> float:
+    if not seconds > 0:
+        raise typer.BadParameter(f"{seconds:g}: give a number of seconds, more than 0 (inf: no limit)")
+    return seconds
+
+
+TimeLimit = Annotated[
+    float,
+    typer.Option(
+        "--time-limit",
+        metavar="SECONDS",
+        callback=_positive,
+        help="How long one call of an engine may take, compilation included, before it counts as hung and is ended.",
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", "-o", help="Directory for the record and the report.")]
@@ -62,14 +82,20 @@ def run(
     out: Out = Path("crosscheck-out"),
     resume: Annotated[Optional[Path], typer.Option(help="Complete the interrupted run in this directory.")] = None,  # noqa: UP045
     junit: Annotated[Optional[Path], typer.Option(help="Also write JUnit XML to this file.")] = None,  # noqa: UP045
+    time_limit: TimeLimit = TIME_LIMIT,
 ) -> None:
     """Simulate, compare, judge, and write the record and the report.
 
-    Exit status: 0 all pass, 1 a check failed or ended in error, 2 bad usage or input.
+    Exit status: 0 all pass, 1 a check failed or ended in error, 2 bad usage or input, 130 after Ctrl-C, 143 after
+    SIGTERM.
     """
     from crosscheck import commands
 
-    raise typer.Exit(commands.run(patterns or [], tier, engine or [], seed, jobs, out, resume, junit))
+    raise typer.Exit(
+        interruptible(
+            lambda: commands.run(patterns or [], tier, engine or [], seed, jobs, out, resume, junit, time_limit)
+        )
+    )
 
 
 @app.command()
@@ -77,6 +103,7 @@ def prove(
     checks: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
     jobs: Annotated[Optional[int], typer.Option(min=1, help="Faults at a time. Default: one per core.")] = None,  # noqa: UP045
     seed: Annotated[int, typer.Option(min=0, help="Seed of the suite.")] = 0,
+    time_limit: TimeLimit = TIME_LIMIT,
 ) -> None:
     """Run checks with their planted faults in a copy of refimpl: each must turn its check red.
 
@@ -84,7 +111,7 @@ def prove(
     """
     from crosscheck import commands
 
-    raise typer.Exit(commands.prove(checks or [], jobs, seed))
+    raise typer.Exit(interruptible(lambda: commands.prove(checks or [], jobs, seed, time_limit)))
 
 
 @app.command()
@@ -92,11 +119,12 @@ def simulate(
     scene: Annotated[Path, typer.Argument(help="Scene file (TOML), or the name of a shipped scene.")],
     engine: Engines = None,
     out: Out = Path("crosscheck-out"),
+    time_limit: TimeLimit = TIME_LIMIT,
 ) -> None:
     """Run a scene; write observables, trajectory and a picture, of several engines side by side."""
     from crosscheck import commands
 
-    commands.simulate(scene, engine or ["refimpl"], out)
+    raise typer.Exit(interruptible(lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit)))
 
 
 @app.command()
@@ -107,10 +135,22 @@ def report(directory: Annotated[Path, typer.Argument(help="Directory of a run.")
     commands.report(directory)
 
 
+def _open_standard_streams() -> None:
+    """Opens those of stdin, stdout and stderr that are closed on /dev/null: pipes would get their numbers."""
+    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
+        try:
+            os.fstat(number)
+        except OSError:
+            opened = os.open(os.devnull, os.O_RDWR)  # the lowest number that is free, which is this one
+            os.set_inheritable(opened, True)
+            setattr(sys, name, open(opened, mode, closefd=False, encoding="utf-8"))  # noqa: SIM115
+
+
 def main() -> None:
     """Entry point: a UsageError is printed as a message, with exit status 2; an EngineError, with status 1."""
     from crosscheck.errors import EngineError, UsageError
 
+    _open_standard_streams()
     try:
         app()
     except UsageError as error:

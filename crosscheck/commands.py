@@ -23,6 +23,7 @@ from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check, Variant
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.registry import engine_class, engine_names
+from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
@@ -189,16 +190,17 @@ def run(
     out: Path,
     resume: Path | None,
     junit: Path | None,
+    time_limit: float = TIME_LIMIT,
 ) -> int:
     """Runs cases, writes record and report, prints a table; returns the exit status.
 
     patterns: shell patterns of names of checks or cases; none: all. tier: "quick" or "full". engine_list: names, or
     path.py:Class; none: all installed. seed: the suite's seed. jobs: cases at a time; None: one per core. out:
     directory of record and report. resume: directory of an interrupted run to be completed, in place of out; None: a
-    new run. junit: file for JUnit XML; None: none.
+    new run. junit: file for JUnit XML; None: none. time_limit: seconds that one call of an engine may take.
 
-    The status is 1 if a case failed or ended in error, 130 after an interrupt by the user, else 0. UsageError for an
-    unknown tier or engine, if no check matches, or if the run to be completed had another seed.
+    The status is 1 if a case failed or ended in error, 130 after an interrupt by the user, 143 after SIGTERM, else 0.
+    UsageError for an unknown tier or engine, if no check matches, or if the run to be completed had another seed.
     """
     from crosscheck.report.html import write_report
     from crosscheck.report.junit import write_junit
@@ -220,12 +222,13 @@ def run(
     display = _Display(len(cases))
     started = time.perf_counter()
     try:
-        for verdict in runner.run(cases, seed, jobs or len(os.sched_getaffinity(0)), display.started):
+        at_a_time = _that_pay(jobs, len(cases))
+        for verdict in runner.run(cases, seed, at_a_time, display.started, time_limit=time_limit):
             record.append(verdict)
             display.finished(verdict)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as interrupt:
         print(f"crosscheck: interrupted; the record has what was finished: --resume {directory}", file=sys.stderr)
-        return 130
+        return getattr(interrupt, "status", 130)
     finally:
         display.close()
     lines = read(directory)
@@ -242,6 +245,18 @@ def run(
         f"{summary} in {time.perf_counter() - started:.0f} s; report: {report_path}", highlight=False, soft_wrap=True
     )
     return 1 if counts["fail"] or counts["error"] else 0
+
+
+def _that_pay(jobs: int | None, things: int) -> int:
+    """How many of so many things to do at a time: no more than there are, nor than cores; says so if it was asked more.
+
+    jobs: as asked; None: one per core.
+    """
+    cores = len(os.sched_getaffinity(0))
+    most = max(1, min(cores, things))
+    if jobs is not None and jobs > most:
+        print(f"crosscheck: --jobs {jobs}: {most} at a time, for there are {things} to do on {cores} cores", flush=True)
+    return min(jobs or most, most)
 
 
 def _share_of_checks(name: str) -> str:
@@ -291,27 +306,28 @@ def report(directory: Path) -> None:
     print(write_report(directory))
 
 
-def simulate(scene: Path, engine_list: list[str], out: Path) -> None:
+def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float = TIME_LIMIT) -> None:
     """Runs a scene and prints the paths of the files written.
 
     scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
-    files. UsageError: see `crosscheck.simulate.run.simulate`.
+    files. time_limit: seconds that one call of an engine may take. UsageError: see `crosscheck.simulate.run.simulate`.
     """
     from crosscheck.simulate.run import simulate as simulate_scene
 
-    for path in simulate_scene(scene, engine_list, out):
+    for path in simulate_scene(scene, engine_list, out, time_limit):
         print(path)
 
 
 # -- prove -----------------------------------------------------------------------------------------
 
 
-def prove(patterns: list[str], jobs: int | None, seed: int) -> int:
+def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = TIME_LIMIT) -> int:
     """Runs checks with their planted faults, and prints a line for each; returns the exit status.
 
     patterns: shell patterns of names of checks or of `check/variant`; none: all. jobs: faults at a time; None: one per
-    core. seed: the suite's seed. The status is 0 if every fault turns its check red, else 1. UsageError if no check
-    with a fault matches, or the text that a fault replaces is not there.
+    core. seed: the suite's seed. time_limit: seconds that one call of an engine may take. The status is 0 if every
+    fault turns its check red, else 1. UsageError if no check with a fault matches, or the text that a fault replaces is
+    not there.
     """
     planted = [
         (check, variant, fault)
@@ -323,8 +339,8 @@ def prove(patterns: list[str], jobs: int | None, seed: int) -> int:
     if not planted:
         raise UsageError(f"no check matches {' '.join(patterns)}; see `crosscheck list`")
     undetected = 0
-    with ThreadPoolExecutor(jobs or len(os.sched_getaffinity(0))) as pool:
-        results = pool.map(lambda item: _prove_one(*item, seed=seed), planted)
+    with ThreadPoolExecutor(_that_pay(jobs, len(planted))) as pool:
+        results = pool.map(lambda item: _prove_one(*item, seed=seed, time_limit=time_limit), planted)
         for (check, variant, fault), verdict in zip(planted, results, strict=True):
             red = verdict.outcome == "fail"
             undetected += not red
@@ -337,10 +353,10 @@ def prove(patterns: list[str], jobs: int | None, seed: int) -> int:
     return 1 if undetected else 0
 
 
-def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int) -> Verdict:
+def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int, time_limit: float) -> Verdict:
     with tempfile.TemporaryDirectory(prefix="crosscheck-fault-") as directory:
         overlay = Path(directory)
         fault.apply(overlay)
         case = runner.Case(check.name, variant, "refimpl", check.timing)
-        verdict = runner.judge(case, seed, overlay)
+        verdict = runner.judge(case, seed, overlay, time_limit)
     return replace(verdict, cost={})

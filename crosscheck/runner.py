@@ -17,7 +17,8 @@ from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.engines.capabilities import lacks
 from crosscheck.engines.protocol import Engine
 from crosscheck.engines.registry import engine_class
-from crosscheck.engines.workers.pool import TIME_LIMIT, Pool
+from crosscheck.engines.workers.ending import TIME_LIMIT
+from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.verdict import Verdict, findings
 
@@ -190,17 +191,18 @@ def run(
     jobs: int,
     on_start: Callable[[Case], None] = lambda case: None,
     executor: Executor | None = None,
+    time_limit: float = TIME_LIMIT,
 ) -> Iterator[Verdict]:
     """Yields verdicts as they are finished: parallel cases first, then those with `timing`, one after the other.
 
     cases: what to run. seed: the suite's seed. jobs: number of threads, each with its own worker processes. on_start:
     called on the thread of a case when it starts. executor: any `concurrent.futures.Executor`, used in place of the
-    threads; on_start is then not called.
+    threads; on_start is then not called. time_limit: seconds that one run of an engine may take.
     """
 
     def work(case: Case) -> Verdict:
         on_start(case)
-        return judge(case, seed)
+        return judge(case, seed, time_limit=time_limit)
 
     own = executor is None
     pool = executor or ThreadPoolExecutor(jobs)
@@ -208,12 +210,16 @@ def run(
     try:
         parallel = [case for case in cases if not case.timing]
         shares = _CasesOfThreads(parallel, jobs)
-        futures = [pool.submit(lambda: work(shares.take())) if own else pool.submit(judge, c, seed) for c in parallel]
+        futures = [
+            pool.submit(lambda: work(shares.take())) if own else pool.submit(judge, c, seed, None, time_limit)
+            for c in parallel
+        ]
         for future in as_completed(futures):
             yield future.result()
         for case in cases:
             if case.timing:
-                yield pool.submit(work, case).result() if own else pool.submit(judge, case, seed).result()
+                alone = pool.submit(work, case) if own else pool.submit(judge, case, seed, None, time_limit)
+                yield alone.result()
     finally:
         for future in futures:
             future.cancel()

@@ -9,9 +9,13 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from crosscheck.engines.protocol import Engine
-from crosscheck.errors import UsageError
+from crosscheck.engines.workers.border import declared, described
+from crosscheck.engines.workers.pool import Worker
+from crosscheck.errors import EngineError, EngineMissing, UsageError
 
 GROUP = "crosscheck.engines"
+#: Seconds that the import of an engine may take.
+_SECONDS_TO_IMPORT = 120.0
 
 
 def engine_names() -> list[str]:
@@ -36,22 +40,52 @@ def engine_order(name: str) -> tuple[bool, str]:
 
 
 def engine_class(name: str) -> type[Engine]:
-    """The class of an engine.
+    """The class of an engine; of one that does not come with the suite, a class with its declarations alone.
 
-    name: of an installed engine, or `path.py:Class`. UsageError if there is no such engine, or if the file cannot be
-    imported, has no such class, or the class lacks a member of `Engine`.
+    Code from elsewhere is imported by a worker process, never by the suite's own, whatever it does to its process.
+
+    name: of an installed engine, or `path.py:Class`. UsageError if there is no such engine, or if it cannot be imported
+    or does not declare what it should.
+    """
+    if name in _installed() and name in shipped_engines():
+        return load_class(name)
+    if ".py:" not in name:
+        return _declared(name, 0)
+    file = Path(name.rpartition(":")[0])
+    return _declared(name, file.stat().st_mtime_ns if file.is_file() else 0)
+
+
+@cache
+def _declared(name: str, changed: int) -> type[Engine]:
+    """The declarations of an engine, from a worker process. changed: time of the last change of its file, ns."""
+    if ".py:" not in name:
+        _entry_point(name)
+    worker = Worker(name, time_limit=_SECONDS_TO_IMPORT)
+    try:
+        return declared(worker.declarations())
+    except (EngineError, EngineMissing) as error:
+        message = str(error).removeprefix(name).removeprefix(":").strip()
+        raise UsageError(f"engine '{name}': {message}") from None
+    finally:
+        worker.close()
+
+
+def load_class(name: str) -> type[Engine]:
+    """The class itself, with its code; for worker processes.
+
+    name, UsageError: as in `engine_class`; whatever it declares is not looked at. An engine's file can import those
+    beside it.
     """
     if ".py:" in name:
         return _from_file(name)
-    if name in _installed():
-        found: type[Engine] = _installed()[name].load()
-        return found
-    raise UsageError(f"unknown engine '{name}'; known: {', '.join(engine_names())}; or give path.py:Class")
+    found: type[Engine] = _entry_point(name).load()
+    return found
 
 
-def load_engine(name: str) -> Engine:
-    """An instance of the engine. name, UsageError: as in `engine_class`."""
-    return engine_class(name)()
+def _entry_point(name: str) -> EntryPoint:
+    if name not in _installed():
+        raise UsageError(f"unknown engine '{name}'; known: {', '.join(engine_names())}; or give path.py:Class")
+    return _installed()[name]
 
 
 def _from_file(name: str) -> type[Engine]:
@@ -64,14 +98,12 @@ def _from_file(name: str) -> type[Engine]:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
+    sys.path.append(str(path.parent))  # at the end: what lies beside it hides no package
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise UsageError(f"engine '{name}': {file} cannot be imported ({type(error).__name__}: {error})") from None
+        raise UsageError(f"engine '{name}': {file} cannot be imported ({described(error)})") from None
     found = getattr(module, class_name, None)
     if not isinstance(found, type):
         raise UsageError(f"engine '{name}': {file} has no class {class_name}")
-    for member in ("name", "schemes", "capabilities", "version", "supports", "run"):
-        if not hasattr(found, member):
-            raise UsageError(f"engine '{name}': class {class_name} lacks '{member}' (see docs/engines.md)")
     return found

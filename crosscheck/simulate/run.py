@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from crosscheck.engines.registry import engine_class
+from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EngineMissing, UsageError
 from crosscheck.scene import Floats, Method, Scene
@@ -38,12 +39,12 @@ def load(name: str | Path) -> Scene:
     raise UsageError(f"{name}: there is no such file, nor a shipped scene; shipped are {', '.join(shipped_scenes())}")
 
 
-def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]:
+def simulate(scene: str | Path, engines: Sequence[str], out: Path, time_limit: float = TIME_LIMIT) -> list[Path]:
     """Runs a scene on each engine with the scene's own method and writes the results; returns the paths of all files.
 
     scene: a TOML file, or the name of a shipped scene. engines: names, or path.py:Class, each once. out: the directory
     to write to, made if it is not there: observables-<engine>.csv and trajectory-<engine>.<format> where the scene
-    records them, picture.png and picture.svg always.
+    records them, picture.png and picture.svg always. time_limit: seconds that one call of an engine may take.
 
     UsageError if the scene is not valid or has no [method], and if an engine is missing or cannot run the scene.
     """
@@ -51,7 +52,7 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]
     method = _method(loaded)
     if len(set(engines)) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
-    pool = Pool()
+    pool = Pool(time_limit=time_limit)
     try:
         results = [_run(loaded, method, engine, pool) for engine in engines]
     finally:

@@ -11,24 +11,36 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from crosscheck.engines.protocol import Cost, Run
+from crosscheck.engines.soft_spheres import resolved
+from crosscheck.engines.workers import border, ending
 from crosscheck.engines.workers.cache import kernel_cache
+from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.scene import Method, Scene
 
-#: Seconds that one call may take before its worker counts as hung.
-TIME_LIMIT = 900.0
-#: Number of lines of a worker's output in an error message.
-_LAST_LINES = 15
-#: Seconds that a hung worker gets to write its stack to the log.
+#: Number of lines of a worker's output in an error message, and of characters of each.
+_LAST_LINES = 18
+_LONGEST_LINE = 300
+#: Bytes of a worker's output that are kept, and of its answers, whose arrays are not in them.
+_LARGEST_LOG = 1 << 27
+_LONGEST_ANSWER = 1 << 24
+#: Seconds between two looks at whether a worker lives, while the suite waits for it.
+_BETWEEN_LOOKS = 0.2
+#: Seconds that a hung worker gets to write its stack to the log, and a guard to end its worker.
 _SECONDS_FOR_STACK = 0.2
+_SECONDS_TO_END = 1.0
 # -P: the current directory must not come before a fault's overlay
-_WORKER = (sys.executable, "-P", "-m", "crosscheck.engines.workers.worker")
+_GUARD = (sys.executable, "-P", "-m", "crosscheck.engines.workers.guard")
+
+#: What the answer to a request is read as.
+Answer = TypeVar("Answer")
 
 
 class Worker:
@@ -46,37 +58,58 @@ class Worker:
         self.overlay = overlay
         self.time_limit = time_limit
         self._process: subprocess.Popen[bytes] | None = None
+        self._number = 0
         self._directory = tempfile.TemporaryDirectory(prefix="crosscheck-")
         atexit.register(self.close)
 
     # -- the methods of `Engine` -------------------------------------------------------------------
 
+    def declarations(self) -> dict[str, Any]:
+        """What the class of the engine declares, see `border.declared`; UsageError if it is not what it should be."""
+        return self._call({"call": "declarations"})
+
     def version(self) -> str:
         """See `Engine.version`."""
-        return str(self._call({"call": "version"})["version"])
+        return self._checked(lambda reply: border.version(reply["version"]), {"call": "version"})
 
     def supports(self, scene: Scene, method: Method) -> str | None:
         """None, or why the engine cannot run `scene` with `method`: by its capabilities, or by `Engine.supports`."""
-        reply = self._call({"call": "supports", "scene": scene.to_json(), "method": method.model_dump_json()})
-        return None if reply["reason"] is None else str(reply["reason"])
+        texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
+        return self._checked(lambda reply: border.reason(reply["reason"]), {"call": "supports", **texts})
 
     def run(self, scene: Scene, method: Method) -> Run:
         """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it."""
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         path = Path(self._directory.name) / "run.npz"
-        reply = self._call({"call": "run", "path": str(path), **texts})
+        request = {"call": "run", "path": str(path), **texts}
+        try:
+            return self._checked(lambda reply: self._arrived(reply, path, scene, method), request)
+        finally:
+            path.unlink(missing_ok=True)
+
+    def _arrived(self, reply: dict[str, Any], path: Path, scene: Scene, method: Method) -> Run:
+        """The run that an answer and its file hold, checked again in the suite's own process."""
         if "unsupported" in reply:
-            raise Unsupported(f"{self.engine}: {reply['unsupported']}")
-        with np.load(path) as arrays:
-            found = {name: arrays[name] for name in arrays}
-        path.unlink()
-        return Run(
-            found,
-            diverged=reply["diverged"],
-            stopped=reply["stopped"],
-            cost=Cost(**reply["cost"]),
-            remarks=reply["remarks"],
-        )
+            raise Unsupported(f"{self.engine}: {border.reason(reply['unsupported'])}")
+        with np.load(path) as file:
+            found = {name: file[name] for name in file}
+        rest = {name: reply[name] for name in ("diverged", "stopped", "remarks")}
+        _, rest = border.outcome(Run(cost=Cost(**reply["cost"]), **rest))
+        ended = {"diverged": rest["diverged"], "stopped": rest["stopped"]}
+        arrays = border.arrays(found, scene, resolved(scene, method), **ended)
+        return Run(arrays, cost=Cost(**rest["cost"]), remarks=rest["remarks"], **ended)
+
+    def _checked(self, read: Callable[[dict[str, Any]], Answer], request: dict[str, Any]) -> Answer:
+        """What `read` makes of the answer to a request; EngineError if the answer is not what it should be."""
+        reply = self._call(request)
+        try:
+            return read(reply)
+        except (Unsupported, UsageError):
+            raise
+        except Exception as error:
+            self._stop()  # nothing that this process says is to be believed
+            what = str(error) if isinstance(error, border.Misfit) else border.described(error)
+            raise EngineError(f"{self.engine}: its answer cannot be read: {what}\n{self._last_lines()}") from None
 
     def close(self) -> None:
         """Ends the process and removes its files."""
@@ -87,18 +120,24 @@ class Worker:
     # -- the pipe ----------------------------------------------------------------------------------
 
     def _start(self) -> None:
+        if ending.ending():
+            raise EngineError(f"{self.engine}: the suite is ending, no engine is started")
         requests_read, requests_write = os.pipe()
         answers_read, answers_write = os.pipe()
-        log = Path(self._directory.name) / "log"
-        with log.open("wb") as output:
+        directory = self._directory.name
+        with self._log.open("wb"):
+            pass
+        with self._log.open("ab") as output:  # to be cut while it is written
             self._process = subprocess.Popen(
-                [*_WORKER, self.engine, str(requests_read), str(answers_write)],
+                [*_GUARD, self.engine, str(requests_read), str(answers_write), directory],
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 pass_fds=(requests_read, answers_write),
                 env=_environment(self.overlay),
+                start_new_session=True,  # Ctrl-C is the suite's, which ends the worker
             )
+        ending.enlist(self._process, directory)
         os.close(requests_read)
         os.close(answers_write)
         os.set_blocking(requests_write, False)
@@ -108,26 +147,33 @@ class Worker:
         if self._process is None or self._process.poll() is not None:
             self._stop()
             self._start()
-        assert self._process is not None
+        self._number += 1
         deadline = time.monotonic() + self.time_limit
         try:
-            self._write(json.dumps(request).encode() + b"\n", deadline)
-            reply: dict[str, Any] = json.loads(self._read_line(deadline))
+            self._write(json.dumps(request | {"number": self._number}).encode() + b"\n", deadline)
+            reply = self._read_answer(deadline)
         except (BrokenPipeError, EOFError):
             ended = self._how_it_ended()
             self._stop()
             raise EngineError(f"{self.engine} {ended}\n{self._last_lines()}") from None
         except TimeoutError:
+            assert self._process is not None
             self._process.send_signal(signal.SIGUSR1)  # the worker writes its Python stack to the log
             time.sleep(_SECONDS_FOR_STACK)
             self._stop()
             raise EngineError(
                 f"{self.engine} gave no answer within {self.time_limit:g} s and was stopped\n{self._last_lines()}"
             ) from None
+        except ValueError as error:
+            self._stop()
+            raise EngineError(f"{self.engine}: its answer cannot be read: {error}\n{self._last_lines()}") from None
+        except BaseException:
+            self._stop()  # what it answers later would be taken for the answer to another request
+            raise
         if "missing" in reply:
             raise EngineMissing(f"{self.engine}: {reply['missing']}")
         if "usage" in reply:
-            raise UsageError(reply["usage"])
+            raise UsageError(str(reply["usage"]))
         if "error" in reply:
             raise EngineError(f"{self.engine}: {reply['error']}\n{self._last_lines()}")
         return reply
@@ -135,18 +181,43 @@ class Worker:
     def _write(self, data: bytes, deadline: float) -> None:
         view = memoryview(data)
         while view:
-            _wait(deadline, write=self._requests)
+            self._wait(deadline, write=self._requests)
             view = view[os.write(self._requests, view) :]
 
-    def _read_line(self, deadline: float) -> bytes:
+    def _read_answer(self, deadline: float) -> dict[str, Any]:
+        """The answer to the last request; ValueError for anything else."""
         while b"\n" not in self._buffer:
-            _wait(deadline, read=self._answers)
+            self._wait(deadline, read=self._answers)
             chunk = os.read(self._answers, 1 << 16)
             if not chunk:
                 raise EOFError
             self._buffer += chunk
+            if len(self._buffer) > _LONGEST_ANSWER:
+                raise ValueError(f"it is longer than {_LONGEST_ANSWER} bytes")
         line, _, self._buffer = self._buffer.partition(b"\n")
-        return line
+        try:
+            reply = json.loads(line)
+        except (ValueError, RecursionError):
+            raise ValueError(f"{border.shown(line)} is not JSON") from None
+        if not isinstance(reply, dict) or reply.pop("number", None) != self._number:
+            raise ValueError(f"{border.shown(line)} is not the answer to this request")
+        return reply
+
+    def _wait(self, deadline: float, *, read: int | None = None, write: int | None = None) -> None:
+        """Waits until the pipe can be read or written; TimeoutError after the deadline, EOFError if nobody is there."""
+        readers, writers = [[end] if end is not None else [] for end in (read, write)]
+        assert self._process is not None
+        while True:
+            ended = self._process.poll() is not None
+            left = deadline - time.monotonic()
+            if any(select.select(readers, writers, [], max(0.0, min(left, 0.0 if ended else _BETWEEN_LOOKS)))):
+                return
+            if ended:
+                raise EOFError
+            if left <= 0:
+                raise TimeoutError
+            if self._log.stat().st_size > _LARGEST_LOG:
+                os.truncate(self._log, 0)
 
     def _how_it_ended(self) -> str:
         assert self._process is not None
@@ -154,30 +225,35 @@ class Worker:
             code = self._process.wait(timeout=1)
         except subprocess.TimeoutExpired:
             return "closed its pipe"
+        if code == -signal.SIGKILL:
+            return "was killed by signal 9, as when memory runs out"
         return f"was killed by signal {-code}" if code < 0 else f"ended with exit status {code}"
 
+    @property
+    def _log(self) -> Path:
+        return Path(self._directory.name) / "log"
+
     def _last_lines(self) -> str:
-        log = Path(self._directory.name) / "log"
-        with log.open("rb") as file:
-            file.seek(max(0, log.stat().st_size - (1 << 16)))
+        if not self._log.exists():
+            return ""
+        with self._log.open("rb") as file:
+            file.seek(max(0, self._log.stat().st_size - (1 << 16)))
             lines = file.read().decode(errors="replace").splitlines()
-        return "\n".join(lines[-_LAST_LINES:])
+        return "\n".join(border.capped(line, _LONGEST_LINE) for line in lines[-_LAST_LINES:])
 
     def _stop(self) -> None:
-        if self._process is None:
+        process, self._process = self._process, None
+        if process is None:
             return
-        os.close(self._requests)
+        process.terminate()  # the guard ends the worker, and all that the engine has started
+        try:
+            process.wait(_SECONDS_TO_END)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        ending.forget(process)
+        os.close(self._requests)  # not before: a pipe without a writer tells the guard that the suite is gone
         os.close(self._answers)
-        self._process.kill()
-        self._process.wait()
-        self._process = None
-
-
-def _wait(deadline: float, *, read: int | None = None, write: int | None = None) -> None:
-    """Waits until the pipe can be read or written; TimeoutError after the deadline."""
-    readers, writers = [[end] if end is not None else [] for end in (read, write)]
-    if not any(select.select(readers, writers, [], max(0.0, deadline - time.monotonic()))):
-        raise TimeoutError
 
 
 def _environment(overlay: Path | None) -> dict[str, str]:

@@ -1,27 +1,25 @@
-"""The worker process of an engine: `python -P -m crosscheck.engines.workers.worker <engine> <read fd> <write fd>`.
+"""The worker of an engine, forked by `crosscheck.engines.workers.guard`: it answers requests, one line of JSON each.
 
-A request is one line of JSON, and so is its answer. Arrays are written to an .npz file whose path is in the request.
-What the engine prints goes to stdout and stderr, which the parent process has redirected to a log file.
+Arrays are written to an .npz file whose path is in the request. What the engine prints goes to stdout and stderr, which
+the suite has redirected to a log file.
 """
 
 from __future__ import annotations
 
-import dataclasses
-import faulthandler
-import gc
-import json
 import os
-import signal
-import sys
 import traceback
+from collections.abc import Mapping
+from contextlib import suppress
+from json import dumps, loads
 from typing import Any
 
 import numpy as np
 
 from crosscheck.engines.capabilities import refusal
-from crosscheck.engines.protocol import Claims, Engine, Run, sample_times, shapes
-from crosscheck.engines.registry import load_engine
+from crosscheck.engines.protocol import Claims, Engine
+from crosscheck.engines.registry import load_class
 from crosscheck.engines.soft_spheres import resolved
+from crosscheck.engines.workers import border
 from crosscheck.errors import UsageError
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.scene.observables import TABLE
@@ -31,29 +29,24 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     """The answer to one request.
 
     engine: an instance. request: "call" is "version", "supports" or "run"; the latter two hold "scene" and "method" as
-    JSON texts, and "run" the "path" of the file for the arrays. UsageError for a mistake in scene or method; ValueError
-    if a run holds arrays of other shapes than the scene asks for; any exception of the engine.
+    JSON texts, and "run" the "path" of the file for the arrays. UsageError for a mistake in scene or method; Misfit if
+    the engine returns what it should not; any exception of the engine.
     """
     if request["call"] == "version":
-        return {"version": engine.version()}
+        return {"version": border.version(engine.version())}
     scene = Scene.from_json(request["scene"])
     method = resolved(scene, Method.model_validate_json(request["method"]))
     wanted = _without_derived(scene)
-    reason = refusal(engine, wanted, method) or engine.supports(wanted, method)
+    reason = refusal(engine, wanted, method) or border.reason(engine.supports(wanted, method))
     if request["call"] == "supports":
         return {"reason": reason}
     if reason is not None:
         return {"unsupported": reason}
     _check_step(engine.schemes[method.scheme], method)
-    run = engine.run(wanted, method)
-    _check_arrays(run, wanted, method)
-    np.savez(request["path"], allow_pickle=False, **_asked_arrays(run, scene))
-    return {
-        "diverged": bool(run.diverged),
-        "stopped": str(run.stopped),
-        "cost": dataclasses.asdict(run.cost),
-        "remarks": list(run.remarks),
-    }
+    given, rest = border.outcome(engine.run(wanted, method))
+    arrays = border.arrays(given, wanted, method, diverged=rest["diverged"], stopped=rest["stopped"])
+    np.savez(request["path"], allow_pickle=False, **_asked_arrays(arrays, scene))
+    return rest
 
 
 def _without_derived(scene: Scene) -> Scene:
@@ -78,7 +71,7 @@ def _without_derived(scene: Scene) -> Scene:
     )
 
 
-def _asked_arrays(run: Run, scene: Scene) -> dict[str, Floats]:
+def _asked_arrays(run: Mapping[str, Floats], scene: Scene) -> dict[str, Floats]:
     """The arrays that the scene asks for, the derived ones computed from the others."""
     asked = scene.asked()
     masses = scene.initial_state().masses if any(row.derive is not None for row in asked.values()) else np.zeros(0)
@@ -94,57 +87,79 @@ def _check_step(claims: Claims, method: Method) -> None:
         raise UsageError(f"method.dt = {method.dt:g}: scheme '{method.scheme}' {how}: remove dt")
 
 
-def _check_arrays(run: Run, scene: Scene, method: Method) -> None:
-    """ValueError if arrays are missing or have wrong shapes: here it names the engine; a check would fail obscurely."""
-    samples, expected = len(run["time"]), len(sample_times(scene, method))
-    if samples != expected:
-        raise ValueError(f"run['time'] has {samples} samples, the scene asks for {expected}")
-    for name, shape in shapes(scene, samples).items():
-        returned = run[name].shape if name in run else None
-        if returned != shape:
-            found = "nothing" if returned is None else f"shape {returned}"
-            raise ValueError(f"run['{name}'] must have shape {shape}, found {found}")
-
-
 def serve(engine_name: str, read_fd: int, write_fd: int) -> None:
     """Answers requests until the pipe closes.
 
     engine_name: a name, or path.py:Class. read_fd, write_fd: file descriptors of the pipes for requests and answers.
+    SystemExit of the engine ends it.
     """
-    engine: Engine | None = None
+    server = Server(engine_name)
+    process = os.getpid()
     with os.fdopen(read_fd) as requests, os.fdopen(write_fd, "w") as answers:
         for line in requests:
-            try:
-                engine = engine or load_engine(engine_name)
-                reply = json.dumps(answer(engine, json.loads(line)))
-            except UsageError as error:
-                reply = json.dumps({"usage": str(error)})
-            except Exception as error:
-                traceback.print_exc()
-                reason = _missing(engine, error)
-                reply = json.dumps(reason or {"error": f"{type(error).__name__}: {error}"})
-            answers.write(reply + "\n")
+            request = loads(line)
+            reply = server.reply(request) | {"number": request["number"]}
+            if os.getpid() != process:
+                os._exit(1)  # a fork of the engine's that came back from it
+            answers.write(dumps(reply) + "\n")
             answers.flush()
 
 
-def _missing(engine: Engine | None, error: Exception) -> dict[str, str] | None:
-    """The answer "missing" if the engine cannot be imported or `version` fails; None for any other error."""
-    if not isinstance(error, ImportError | OSError):
-        return None
-    if engine is not None:
+class Server:
+    """One engine that answers requests: its class is loaded by the first of them.
+
+    engine_name: a name, or path.py:Class.
+    """
+
+    def __init__(self, engine_name: str) -> None:
+        self._name = engine_name
+        self._class: type[Engine] | None = None
+        self._declarations: dict[str, Any] | None = None
+        self._engine: Engine | None = None
+
+    def reply(self, request: dict[str, Any]) -> dict[str, Any]:
+        """What `answer` gives, or "usage", "missing" or "error" with a text; SystemExit passes through.
+
+        request: as for `answer`; "call" may also be "declarations".
+        """
         try:
-            engine.version()
-        except (ImportError, OSError) as reason:
-            error = reason
-        else:
+            if self._declarations is None:
+                self._class = load_class(self._name)
+                self._declarations = self._declared(self._class)
+            if request["call"] == "declarations":
+                return self._declarations
+            assert self._class is not None
+            self._engine = self._engine or self._class()
+            return answer(self._engine, request)
+        except SystemExit:
+            raise
+        except UsageError as error:
+            return {"usage": str(error)}
+        except border.Misfit as error:
+            return {"error": str(error)}
+        except BaseException as error:
+            with suppress(Exception):  # the engine may have closed stderr
+                traceback.print_exc()
+            return self._missing(error) or {"error": border.described(error)}
+
+    def _declared(self, found: type[Engine]) -> dict[str, Any]:
+        """What the class declares; UsageError if it is not what it should be."""
+        try:
+            return border.declarations(found)
+        except border.Misfit as error:
+            raise UsageError(f"engine '{self._name}': {error}") from None
+
+    def _missing(self, error: BaseException) -> dict[str, str] | None:
+        """The answer "missing" if the engine cannot be imported or `version` fails; None for any other error."""
+        if not isinstance(error, ImportError | OSError):
             return None
-    return {"missing": f"{type(error).__name__}: {error}"}
-
-
-if __name__ == "__main__":
-    # a crash, and the signal SIGUSR1, by which the parent asks a hung worker, write the Python stack to the log
-    faulthandler.enable()
-    faulthandler.register(signal.SIGUSR1)
-    # compilers make many small objects that stay alive; collecting garbage less often saves a tenth of the compile time
-    gc.set_threshold(200_000, 20, 100)
-    serve(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))
+        if self._engine is not None:
+            try:
+                self._engine.version()
+            except (ImportError, OSError) as reason:
+                error = reason
+            except BaseException:
+                return None
+            else:
+                return None
+        return {"missing": border.described(error)}
