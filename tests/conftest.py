@@ -4,10 +4,12 @@ import os
 
 from hypothesis import settings
 
-from crosscheck.engines.workers.cache import kernel_cache
+from crosscheck.engines.workers.cache import kernel_cache, take_care_of_damage
 
 # numba's own cache can be stale
 os.environ["NUMBA_CACHE_DIR"] = str(kernel_cache())
+# as in the workers, which share the cache
+take_care_of_damage()
 
 # no limit on the time of one example: the machine may be shared, and the first may compile
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
