@@ -26,6 +26,7 @@ from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
+from crosscheck.files import refuse_no_directory, refuse_unwritable
 from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read, shown
 from crosscheck.verdict import Verdict
 
@@ -200,6 +201,7 @@ def run(
     The status is 1 if a case failed or ended in error, 130 after an interrupt by the user, else 0. UsageError for an
     unknown tier or engine, if no check matches, or if the run to be completed had another seed.
     """
+    from crosscheck.report.html import FILE as REPORT
     from crosscheck.report.html import write_report
     from crosscheck.report.junit import write_junit
 
@@ -207,6 +209,10 @@ def run(
         raise UsageError(f"--tier {tier}: unknown; take quick or full")
     cases = runner.select(patterns, tier, engine_list or engine_names())
     directory = resume or out
+    if resume is None:
+        refuse_no_directory(directory, "the record")
+    for path in (directory / FILE, directory / REPORT, *([] if junit is None else [junit])):
+        refuse_unwritable(path)
     if resume is not None:
         before = read(resume)
         if any(line["provenance"]["seed"] != seed for line in before):
@@ -299,6 +305,7 @@ def simulate(scene: Path, engine_list: list[str], out: Path) -> None:
     """
     from crosscheck.simulate.run import simulate as simulate_scene
 
+    refuse_no_directory(out, "the files")
     for path in simulate_scene(scene, engine_list, out):
         print(path)
 

@@ -17,7 +17,7 @@ ROOT = Path(crosscheck.__path__[0]).parent
 #: Rooms from the ground up: a module may import from its own room and from lower ones.
 FLOORS = (
     ("refimpl",),
-    ("crosscheck.errors", "crosscheck.figure", "crosscheck.faults"),
+    ("crosscheck.errors", "crosscheck.text", "crosscheck.files", "crosscheck.figure", "crosscheck.faults"),
     ("crosscheck.scene",),
     ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence"),
     ("crosscheck.references",),

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError, model_validator
 
 from crosscheck.errors import UsageError
+from crosscheck.files import unreadable
 from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, refuse_hard_spheres_entries
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
@@ -29,6 +30,7 @@ from crosscheck.scene.starts import (
     read_configuration,
     refuse_coincidence,
 )
+from crosscheck.text import shortened
 
 #: Matters of the observables that a scene with smooth forces, hard spheres or a lattice gas can ask for.
 SMOOTH: tuple[Matter, ...] = ("any", "particles", "smooth_particles")
@@ -100,15 +102,25 @@ class Scene(SceneEntries):
         path: of the TOML file. UsageError if a file cannot be read, or with a line for each mistake in it.
         """
         path = Path(path)
+        reason = unreadable(path)
+        if reason:
+            raise UsageError(f"{path}: cannot be read ({reason}); give the path of a scene file")
         try:
-            table = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise UsageError(f"{path}: cannot be read ({error.strerror}); give the path of a scene file") from None
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise UsageError(f"{path}: not valid TOML: {error}") from None
-        scene = cls.from_json(json.dumps(table, default=str), str(path))
+            table = json.dumps(tomllib.loads(path.read_bytes().decode("utf-8-sig")), default=str)
+        except ValueError as error:  # of the encoding, the text, or a number with more digits than Python converts
+            raise UsageError(f"{path}: not valid TOML: {shortened(str(error), 300)}") from None
+        except RecursionError:
+            raise UsageError(f"{path}: not valid TOML: tables or lists are nested too deeply") from None
+        scene = cls.from_json(table, str(path))
         if isinstance(scene.initial, File):
-            scene = scene.changed(initial=read_configuration(path.parent / scene.initial.path, scene.dimension))
+            place = path.parent / scene.initial.path
+            reason = unreadable(place)
+            if reason:
+                raise UsageError(f"initial.path = {place}: cannot be read as a configuration ({reason})")
+            try:
+                scene = scene.changed(initial=read_configuration(place, scene.dimension))
+            except ValidationError as error:
+                raise UsageError(explain(error, f"initial.path = {place}", cls)) from None
         return scene
 
     def to_json(self) -> str:
