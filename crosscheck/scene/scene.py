@@ -19,7 +19,8 @@ from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, 
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
 from crosscheck.scene.observables import FRICTION, Matter, Observable, asked_for
-from crosscheck.scene.parts import INTERACTIONS, Explicit, File, Floats, Kepler, Lattice, Occupations, SceneEntries
+from crosscheck.scene.parts import INTERACTIONS, Explicit, File, Floats, Kepler, Lattice, LennardJones, Occupations, SceneEntries
+from crosscheck.scene.sizes import refuse_large, refuse_large_start
 from crosscheck.scene.starts import (
     State,
     apocentre,
@@ -29,6 +30,7 @@ from crosscheck.scene.starts import (
     random_velocities,
     read_configuration,
     refuse_coincidence,
+    refuse_not_finite,
 )
 from crosscheck.text import shortened
 
@@ -72,6 +74,8 @@ class Scene(SceneEntries):
         recorded = set(self.output.observables) - {"sites"} or self.output.trajectory
         if self.output.interval is None and self.output.collisions is None and recorded:
             raise ValueError("output.interval is missing: say how often to record")
+        if self.lennard_jones is not None:
+            _check_species(self, self.lennard_jones)
         check_lattice_gas(self)
         if self.lattice_gas is not None:
             return self
@@ -198,6 +202,7 @@ class Scene(SceneEntries):
         if output.interval is None:
             return np.array([0.0, self.duration])
         ratio = self.duration / output.interval
+        refuse_large(16 * ratio, f"output.interval: {ratio:.4g} samples", "record less often")
         whole = round(ratio) if abs(ratio - round(ratio)) <= 1e-9 * max(1.0, ratio) else math.floor(ratio)
         return np.minimum(np.arange(whole + 1) * output.interval, self.duration)
 
@@ -250,16 +255,25 @@ class Scene(SceneEntries):
     def initial_sites(self) -> NDArray[np.uint8]:
         """States of the sites of a lattice gas, (rows, columns): bit i says that channel i is occupied.
 
-        UsageError if density or velocity are out of range, or an obstacle is not on the lattice.
+        UsageError if density or velocity are out of range, an obstacle is not on the lattice, or the memory too small.
         """
+        refuse_large_start(self)
         return initial_sites(self)
 
     def initial_occupations(self) -> Floats:
         """Mean occupations of the channels of a lattice gas, (rows, columns, channels).
 
-        UsageError if density or velocity are out of range, or an obstacle is not on the lattice.
+        UsageError if density or velocity are out of range, an obstacle is not on the lattice, or the memory too small.
         """
+        refuse_large_start(self)
         return initial_occupations(self)
+
+    def check_start(self) -> None:
+        """UsageError if there is no initial state: see `initial_sites` and `initial_state`."""
+        if self.lattice_gas is not None:
+            self.initial_sites()
+        else:
+            self.initial_state()
 
     def wall_rules(self) -> NDArray[np.uint8] | None:
         """Rules of the wall sites of a lattice gas, (rows, columns), the constants of `refimpl.lattice.gas`.
@@ -272,8 +286,10 @@ class Scene(SceneEntries):
         """The initial state of the particles, the same for every engine.
 
         UsageError if numbers of masses or species do not fit, if two particles are at the same place (springs: they may
-        be), or if hard spheres overlap or are not inside their walls.
+        be), if hard spheres overlap or are not inside their walls, if a number overflows, or if there are more particles
+        than the memory holds.
         """
+        refuse_large_start(self)
         lengths = self.lengths()
         n = self.number
         masses = np.full(n, self.masses) if isinstance(self.masses, float) else np.array(self.masses)
@@ -302,11 +318,26 @@ class Scene(SceneEntries):
         else:
             raise UsageError("initial.kind = 'file' is read by Scene.load: load the scene from its file")
         state = State(positions, velocities, masses, species, lengths, diameters, spins)
+        refuse_not_finite(state)
         if self.hard_spheres is not None:
             check_hard_state(self, self.hard_spheres, state, fixed, self.periods())
         elif self.spring is None:
             refuse_coincidence(positions, lengths, [b == "periodic" for b in self.boundaries])
         return state
+
+
+def _check_species(scene: SceneEntries, fluid: LennardJones) -> None:
+    """ValueError unless each species has an epsilon and a length, where these are given one per species."""
+    for name, values in (("epsilon", fluid.epsilon), ("length", fluid.length)):
+        if not isinstance(values, tuple):
+            continue
+        if not values:
+            raise ValueError(f"lennard_jones.{name} is empty: give one value, or one per species")
+        if len(values) > 1 and scene.species is None:
+            raise ValueError(f"lennard_jones.{name} has {len(values)} values, one per species: add species")
+        highest = max(scene.species or (0,))
+        if len(values) > 1 and highest >= len(values):
+            raise ValueError(f"species {highest} has no lennard_jones.{name}: there are {len(values)} values")
 
 
 def whole_steps(span: float, dt: float, name: str) -> int:

@@ -21,6 +21,7 @@ import numpy as np
 from crosscheck.engines.capabilities import refusal
 from crosscheck.engines.protocol import Claims, Engine, Run, sample_times, shapes
 from crosscheck.engines.registry import load_engine
+from crosscheck.engines.sizes import refuse_large_run
 from crosscheck.engines.soft_spheres import resolved
 from crosscheck.errors import UsageError
 from crosscheck.scene import Floats, Method, Scene
@@ -38,6 +39,7 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
         return {"version": engine.version()}
     scene = Scene.from_json(request["scene"])
     method = resolved(scene, Method.model_validate_json(request["method"]))
+    refuse_large_run(scene, method)
     wanted = _without_derived(scene)
     reason = refusal(engine, wanted, method) or engine.supports(wanted, method)
     if request["call"] == "supports":
