@@ -27,7 +27,7 @@ from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
 from crosscheck.files import refuse_no_directory, refuse_unwritable
-from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read, shown
+from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_torn, provenance, read, shown
 from crosscheck.verdict import Verdict
 
 _COLOURS = {
@@ -215,6 +215,7 @@ def run(
         refuse_unwritable(path)
     if resume is not None:
         before = read(resume)
+        _say_if_torn(resume)
         if any(line["provenance"]["seed"] != seed for line in before):
             raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start a new run")
         done = finished(before)
@@ -294,7 +295,13 @@ def report(directory: Path) -> None:
     """Writes the report of a finished or interrupted run. directory: of the run. UsageError if it has no record."""
     from crosscheck.report.html import write_report
 
+    _say_if_torn(directory)
     print(write_report(directory))
+
+
+def _say_if_torn(directory: Path) -> None:
+    if is_torn(directory):
+        print(f"crosscheck: {directory / FILE}: its last line is incomplete, and does not count", file=sys.stderr)
 
 
 def simulate(scene: Path, engine_list: list[str], out: Path) -> None:

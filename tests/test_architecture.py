@@ -23,7 +23,7 @@ FLOORS = (
     ("crosscheck.references",),
     ("crosscheck.engines",),
     ("crosscheck.checks",),
-    ("crosscheck.record", "crosscheck.runner"),
+    ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner"),
     ("crosscheck.painter", "crosscheck.report"),
     ("crosscheck.simulate", "crosscheck.documents"),
     ("crosscheck.commands",),

@@ -132,7 +132,8 @@ def write_report(directory: Path) -> Path:
     """
     lines = read(directory)
     path = directory / FILE
-    path.write_text(render(lines, directory.resolve().name), encoding="utf-8")
+    # names of files may hold bytes that are not UTF-8
+    path.write_text(render(lines, directory.resolve().name), encoding="utf-8", errors="backslashreplace")
     return path
 
 
@@ -278,7 +279,8 @@ def _draw(group: list[Section], prefix: str) -> None:
 
 def _origins(lines: list[Line]) -> list[tuple[dict[str, Any], int]]:
     """(provenance, number of verdicts), the most frequent first: a resumed run can have several."""
-    texts = Counter(json.dumps(line["provenance"], sort_keys=True) for line in lines)
+    absent = {"versions": {}, "cpu": "unknown CPU", "cores": "unknown", "system": "unknown system"}
+    texts = Counter(json.dumps(absent | line["provenance"], sort_keys=True) for line in lines)
     return [(json.loads(text), number) for text, number in texts.most_common()]
 
 
