@@ -22,6 +22,7 @@ from crosscheck.errors import UsageError
 from crosscheck.record import Line, case_name, deciding, read, shown
 from crosscheck.report import figures, numbers, pictures
 from crosscheck.runner import select
+from crosscheck.text import printable
 from crosscheck.verdict import SENSITIVITY
 
 FILE = "report.html"
@@ -132,8 +133,9 @@ def write_report(directory: Path) -> Path:
     """
     lines = read(directory)
     path = directory / FILE
-    # names of files may hold bytes that are not UTF-8
-    path.write_text(render(lines, directory.resolve().name), encoding="utf-8", errors="backslashreplace")
+    page = render(lines, directory.resolve().name)
+    # names of files may hold bytes that are not UTF-8, and the output of engines anything
+    path.write_text(printable(page, keep="\n\t"), encoding="utf-8")
     return path
 
 

@@ -246,7 +246,7 @@ class Box(Part):
     """[length] L along each axis; absent: a square or cube of the density or packing fraction."""
     density: Positive | None = None
     """[1/length^d] Number density N/V in d dimensions; absent: follows from the lengths."""
-    packing_fraction: Annotated[float, Field(gt=0, lt=1)] | None = None
+    packing_fraction: Annotated[float, Field(gt=0, lt=1), AfterValidator(_not_tiny)] | None = None
     """[1] Volume (2D: area) of the hard spheres over that of the box; absent: follows from the lengths."""
     boundaries: tuple[Literal["periodic", "wall", "open", "hard"], ...] | None = None
     """One per axis: periodic; "wall", a 12-6 wall of a Lennard-Jones fluid; "hard", a wall of hard spheres; or open.

@@ -166,7 +166,8 @@ class Scene(SceneEntries):
     def lengths(self) -> Floats | None:
         """Sides of the box, (d,), length; None without a box.
 
-        UsageError if they do not follow from packing_fraction, because all diameters are 0.
+        UsageError if they do not follow from density or packing_fraction: because all diameters are 0, or the volume is
+        no number.
         """
         if self.box is None:
             return None
@@ -176,13 +177,16 @@ class Scene(SceneEntries):
             diameters = self.diameters()
             assert diameters is not None
             unit = math.pi / 4 if self.dimension == 2 else math.pi / 6
-            volume = unit * float((diameters**self.dimension).sum()) / self.box.packing_fraction
+            with np.errstate(over="ignore"):
+                volume = unit * float((diameters**self.dimension).sum()) / self.box.packing_fraction
             if volume == 0:
                 fraction = self.box.packing_fraction
                 raise UsageError(f"box.packing_fraction = {fraction:g} needs particles with a diameter: give density")
         else:
             assert self.box.density is not None
             volume = self.number / self.box.density
+        if not math.isfinite(volume):
+            raise UsageError("box: its volume is beyond all numbers: give a larger density or packing fraction")
         return np.full(self.dimension, volume ** (1.0 / self.dimension))
 
     def periods(self) -> Floats:
