@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated, NoReturn, Optional
 
 import typer
 
@@ -147,18 +148,52 @@ def _open_standard_streams() -> None:
 
 
 def main() -> None:
-    """Entry point: a UsageError is printed as a message, with exit status 2; an EngineError, with status 1."""
+    """Entry point, the one place where exceptions become messages and an exit status.
+
+    UsageError, and an OSError of any file: a line, status 2. EngineError: status 1. Too little memory: 2. Output into
+    a pipe that was closed, as by `head`, ends quietly, with status 1.
+    """
     from crosscheck.errors import EngineError, UsageError
 
     _open_standard_streams()
+    if isinstance(sys.stdout, io.TextIOWrapper):  # names of files may hold bytes that the terminal's encoding has not
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        app()
-    except UsageError as error:
-        print(f"crosscheck: {error}", file=sys.stderr)
-        sys.exit(2)
-    except EngineError as error:
-        print(f"crosscheck: {error}", file=sys.stderr)
+        try:
+            app()
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except BrokenPipeError:
+        _drop_output()
         sys.exit(1)
+    except UsageError as error:
+        _complain(str(error), 2)
+    except EngineError as error:
+        _complain(str(error), 1)
+    except OSError as error:
+        _drop_output()
+        where = "" if error.filename is None else f"{os.fsdecode(error.filename)}: "
+        _complain(f"{where}{error.strerror or error}", 2)
+    except MemoryError:
+        _complain("not enough memory: take fewer particles, samples or cells", 2)
+
+
+def _complain(message: str, status: int) -> NoReturn:
+    from crosscheck.text import printable
+
+    print(f"crosscheck: {printable(message, keep=chr(10))}", file=sys.stderr)
+    sys.exit(status)
+
+
+def _drop_output() -> None:
+    """Sends what is left of the output nowhere, where it cannot be written: it would fail again at the end."""
+    try:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+    except (OSError, ValueError, AttributeError):
+        pass  # there is no output
 
 
 if __name__ == "__main__":

@@ -27,7 +27,8 @@ from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
-from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read, shown
+from crosscheck.files import refuse_no_directory, refuse_unwritable
+from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_torn, provenance, read, shown
 from crosscheck.verdict import Verdict
 
 _COLOURS = {
@@ -202,6 +203,7 @@ def run(
     The status is 1 if a case failed or ended in error, 130 after an interrupt by the user, 143 after SIGTERM, else 0.
     UsageError for an unknown tier or engine, if no check matches, or if the run to be completed had another seed.
     """
+    from crosscheck.report.html import FILE as REPORT
     from crosscheck.report.html import write_report
     from crosscheck.report.junit import write_junit
 
@@ -209,8 +211,13 @@ def run(
         raise UsageError(f"--tier {tier}: unknown; take quick or full")
     cases = runner.select(patterns, tier, engine_list or engine_names())
     directory = resume or out
+    if resume is None:
+        refuse_no_directory(directory, "the record")
+    for path in (directory / FILE, directory / REPORT, *([] if junit is None else [junit])):
+        refuse_unwritable(path)
     if resume is not None:
         before = read(resume)
+        _say_if_torn(resume)
         if any(line["provenance"]["seed"] != seed for line in before):
             raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start a new run")
         done = finished(before)
@@ -303,7 +310,13 @@ def report(directory: Path) -> None:
     """Writes the report of a finished or interrupted run. directory: of the run. UsageError if it has no record."""
     from crosscheck.report.html import write_report
 
+    _say_if_torn(directory)
     print(write_report(directory))
+
+
+def _say_if_torn(directory: Path) -> None:
+    if is_torn(directory):
+        print(f"crosscheck: {directory / FILE}: its last line is incomplete, and does not count", file=sys.stderr)
 
 
 def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float = TIME_LIMIT) -> None:
@@ -314,6 +327,7 @@ def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float =
     """
     from crosscheck.simulate.run import simulate as simulate_scene
 
+    refuse_no_directory(out, "the files")
     for path in simulate_scene(scene, engine_list, out, time_limit):
         print(path)
 

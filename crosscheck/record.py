@@ -6,6 +6,7 @@ import json
 import math
 import os
 import platform
+from codecs import BOM_UTF8
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -13,6 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.errors import UsageError
+from crosscheck.files import unreadable
+from crosscheck.record_form import check_form, parse
+from crosscheck.text import shortened
 from crosscheck.verdict import Verdict
 
 #: Raised when a field changes its meaning or goes; new fields do not raise it.
@@ -88,26 +92,64 @@ def read(path: Path) -> list[Line]:
     """The lines of a record; of a case that occurs twice, the last.
 
     path: of a record file, or of its directory. Lines of older schemas are converted to this one. A last line without a
-    line end was not written completely, and is ignored. UsageError if there is no record, or a line is not a verdict of
-    a schema up to this one.
+    line end was not written completely, and is ignored: see `is_torn`. UsageError if there is no record that can be
+    read, or a line is not a verdict of a schema up to this one; it names the line, and what is wrong with it.
     """
     file = path / FILE if path.is_dir() else path
-    if not file.is_file():
-        raise UsageError(f"{path}: there is no {FILE}; give the directory of a run")
+    whole, _, _ = _content(path, file).rpartition(b"\n")
     lines: dict[tuple[str, str], Line] = {}
-    whole, _, _ = file.read_text(encoding="utf-8", errors="replace").rpartition("\n")
-    for number, text in enumerate(whole.splitlines(), 1):
+    # line ends are those of JSON lines only: texts may hold others, such as U+2028
+    for number, data in enumerate(whole.split(b"\n") if whole else (), 1):
         try:
-            line = json.loads(text)
-            schema = line["schema"]
-            if schema not in range(1, SCHEMA + 1):
-                raise UsageError(f"{file}:{number}: schema {schema}, this version reads 1 to {SCHEMA}; run again")
-            if schema == 1:
-                line = _from_schema_1(line)
-            lines[case_name(line), line["engine"]] = line
-        except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
-            raise UsageError(f"{file}:{number}: not a verdict; remove the line") from None
+            line = _verdict(data)
+        except _OtherSchemaError as error:
+            raise UsageError(f"{file}:{number}: {error}") from None
+        except ValueError as error:
+            raise UsageError(f"{file}:{number}: not a verdict: {error}; mend or remove the line") from None
+        lines[case_name(line), line["engine"]] = line
     return list(lines.values())
+
+
+def is_torn(path: Path) -> bool:
+    """Whether the last line of a record was not written completely, as by a run that was killed.
+
+    path: of a record file, or of its directory. UsageError if there is none.
+    """
+    file = path / FILE if path.is_dir() else path
+    data = _content(path, file)
+    return bool(data) and not data.endswith(b"\n")
+
+
+def _content(path: Path, file: Path) -> bytes:
+    """The bytes of a record, without a byte order mark, which editors may add."""
+    if not os.path.lexists(file):
+        raise UsageError(f"{path}: there is no {FILE}; give the directory of a run")
+    reason = unreadable(file)
+    if reason:
+        raise UsageError(f"{file}: cannot be read ({reason}); give the directory of a run")
+    return file.read_bytes().removeprefix(BOM_UTF8)
+
+
+class _OtherSchemaError(ValueError):
+    """A line of a schema that this version does not read."""
+
+
+def _verdict(data: bytes) -> Line:
+    """The verdict in a line; ValueError, with the reason, if it holds none."""
+    try:
+        line = parse(data.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        raise ValueError(f"not UTF-8 (byte {error.start})") from None
+    schema = line.get("schema")
+    if schema is None:
+        raise ValueError("'schema' is missing")
+    if type(schema) is not int or not 1 <= schema <= SCHEMA:
+        raise _OtherSchemaError(f"schema {shortened(str(schema))}, this version reads 1 to {SCHEMA}; run again")
+    if schema == 1:
+        check_form(line, 1)
+        line = _from_schema_1(line)
+    check_form(line, SCHEMA)
+    return line
 
 
 def case_name(line: Line) -> str:
@@ -156,12 +198,12 @@ def _from_schema_1(line: Line) -> Line:
         sigmas = judgement["deviation"] if unit == "sigma" else None
         if sigmas is not None:
             u = math.hypot(judgement["uncertainty"] or 0.0, judgement["expected_uncertainty"] or 0.0)
-            judgement["deviation"] = sigmas * u / criterion["tolerance"] if criterion["tolerance"] else 0.0
+            judgement["deviation"] = _or_null(sigmas * u / criterion["tolerance"]) if criterion["tolerance"] else 0.0
         criterion = {**criterion, "sense": _sense_of_schema_1(old["outcome"], judgement, criterion["kind"])}
         limit, value = judgement["expected"], judgement["measured"]
         if criterion["sense"] != "both":  # schema 1 gave the limit itself for some bounds
             far = None if value is None or limit is None else abs(limit - value)
-            judgement["sensitivity"] = far / abs(limit) if far is not None and limit else far
+            judgement["sensitivity"] = _or_null(far / abs(limit)) if far is not None and limit else far
         judgements = [
             {
                 **judgement,
@@ -181,6 +223,11 @@ def _from_schema_1(line: Line) -> Line:
         "judgements": judgements,
         "worst": 0 if judgements else None,
     }
+
+
+def _or_null(number: float) -> float | None:
+    """The number as a record holds it."""
+    return number if math.isfinite(number) else None
 
 
 def _sense_of_schema_1(outcome: str, judgement: dict[str, Any], kind: str) -> str:

@@ -140,6 +140,8 @@ itself; all others are in tables, which this page lists in reading order. A scen
   and step are the units of length and time of a lattice gas.
 * **Defaults.** A word without a default is required. "-" means that the word may be left out, and the column "meaning"
   says what holds then.
+* **Numbers** are at most 1e100 in size, and where 0 is not allowed at least 1e-100, so that squares and cubes of them
+  are numbers too.
 * **Vectors** are lists of d numbers, with the dimension d of space.
 * **Tables.** `[box.faces."x-"]` stands for any face; a table in `[[double brackets]]` may be repeated.
 * **Mistakes.** Unknown words are refused; the message names the word that was probably meant. Words that contradict

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from crosscheck.engines.registry import engine_names, engine_order
 from crosscheck.painter import LARGEST
 from crosscheck.record import Line, case_name
+from crosscheck.text import printable
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -252,6 +253,7 @@ def style() -> AbstractContextManager[None]:
     import matplotlib
 
     settings: Any = {
+        "text.parse_math": False,  # labels are drawn as they are written, "$" too
         "svg.fonttype": "none",
         "svg.hashsalt": "crosscheck",
         "font.family": "DejaVu Sans",
@@ -295,8 +297,8 @@ def _prepare(axes: Axes, panel: Panel) -> None:
     """Labels, scales, limits that hold every finite point, ticks."""
     import textwrap
 
-    axes.set_xlabel(textwrap.fill(panel.x_label, 56))
-    axes.set_ylabel(textwrap.fill(panel.y_label, 38))
+    axes.set_xlabel(textwrap.fill(printable(panel.x_label), 56))
+    axes.set_ylabel(textwrap.fill(printable(panel.y_label), 38))
     axes.grid(True, color=_GRID, linewidth=0.5)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)

@@ -22,6 +22,7 @@ from crosscheck.errors import UsageError
 from crosscheck.record import Line, case_name, deciding, read, shown
 from crosscheck.report import figures, numbers, pictures
 from crosscheck.runner import select
+from crosscheck.text import printable
 from crosscheck.verdict import SENSITIVITY
 
 FILE = "report.html"
@@ -132,7 +133,9 @@ def write_report(directory: Path) -> Path:
     """
     lines = read(directory)
     path = directory / FILE
-    path.write_text(render(lines, directory.resolve().name), encoding="utf-8")
+    page = render(lines, directory.resolve().name)
+    # names of files may hold bytes that are not UTF-8, and the output of engines anything
+    path.write_text(printable(page, keep="\n\t"), encoding="utf-8")
     return path
 
 
@@ -278,7 +281,8 @@ def _draw(group: list[Section], prefix: str) -> None:
 
 def _origins(lines: list[Line]) -> list[tuple[dict[str, Any], int]]:
     """(provenance, number of verdicts), the most frequent first: a resumed run can have several."""
-    texts = Counter(json.dumps(line["provenance"], sort_keys=True) for line in lines)
+    absent = {"versions": {}, "cpu": "unknown CPU", "cores": "unknown", "system": "unknown system"}
+    texts = Counter(json.dumps(absent | line["provenance"], sort_keys=True) for line in lines)
     return [(json.loads(text), number) for text, number in texts.most_common()]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,9 +9,7 @@ from typing import Any
 
 from crosscheck.record import Line, deciding
 from crosscheck.report.numbers import deviation, expected, measured
-
-#: Characters that XML 1.0 cannot hold, escaped or not.
-_FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+from crosscheck.text import printable
 
 
 def write_junit(lines: Iterable[Line], path: Path) -> None:
@@ -67,4 +64,5 @@ def _comparison(judgement: dict[str, Any]) -> str:
 
 
 def _clean(text: str) -> str:
-    return _FORBIDDEN.sub("\ufffd", text)
+    """The text with escapes for what XML cannot hold: control characters and surrogates."""
+    return printable(text, keep="\t\n")

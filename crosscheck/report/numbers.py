@@ -66,6 +66,8 @@ def seconds(value: float | None) -> str:
     """
     if value is None:
         return ABSENT
+    if not math.isfinite(value):
+        return "not finite"
     if value < 0.1:
         return f"{value * 1e3:.2g} ms"
     if value < 100:

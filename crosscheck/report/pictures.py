@@ -37,6 +37,7 @@ from crosscheck.painter import (
 from crosscheck.record import Line, case_name
 from crosscheck.report.figures import WIDTH, Drawing, qualified, sheet, style, to_svg
 from crosscheck.report.numbers import plain, to_tolerance
+from crosscheck.text import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -175,8 +176,8 @@ def _axes(picture: Picture, layout: Layout, limits: Limits | None, label: str) -
     axes.set_ylim(bottom, top)
     _ticks(axes, "x", left, right, layout.width / 60)
     _ticks(axes, "y", bottom, top, layout.height / 45)
-    axes.set_xlabel(textwrap.fill(picture.x_label, max(16, round(layout.width / 6))))
-    axes.set_ylabel(textwrap.fill(picture.y_label, max(16, round(layout.area / 6))), labelpad=2)
+    axes.set_xlabel(textwrap.fill(printable(picture.x_label), max(16, round(layout.width / 6))))
+    axes.set_ylabel(textwrap.fill(printable(picture.y_label), max(16, round(layout.area / 6))), labelpad=2)
     axes.spines[["top", "right", "left", "bottom"]].set_visible(False)
     if limits is not None:
         bar = _add(figure, layout, layout.left + layout.width + _GAP, _TOP, _BAR, layout.area)
@@ -185,7 +186,7 @@ def _axes(picture: Picture, layout: Layout, limits: Limits | None, label: str) -
         _ticks(bar, "y", *limits, layout.area / 45)
         bar.yaxis.tick_right()
         bar.yaxis.set_label_position("right")
-        bar.set_ylabel(textwrap.fill(label, max(16, round(layout.area / 6))), labelpad=5)
+        bar.set_ylabel(textwrap.fill(printable(label), max(16, round(layout.area / 6))), labelpad=5)
         bar.spines[["top", "right", "left", "bottom"]].set_visible(False)
     return figure
 

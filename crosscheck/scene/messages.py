@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Sequence
 
 from pydantic import ValidationError
 
-from crosscheck.scene.parts import Part
+from crosscheck.scene.parts import LARGEST, Part
 from crosscheck.scene.tables import Table, tables
+from crosscheck.text import printable, shortened
 
 #: For an entry that may be one value or a list of values, pydantic reports the errors of both forms, and the place of
 #: each error ends in the name of its form.
-_ONE, _LIST = ("constrained-float", "float"), ("tuple[constrained-float, ...]", "tuple[float, ...]")
+_ONE, _LIST = re.compile(r"constrained-float|float|function-after\[.*"), re.compile(r"tuple\[.*")
 
 
 def explain(error: ValidationError, where: str, scene: type[Part]) -> str:
@@ -27,16 +29,18 @@ def explain(error: ValidationError, where: str, scene: type[Part]) -> str:
     # unknown keys first: a key that is misspelt is not reported as missing too
     for problem in sorted(error.errors(), key=lambda problem: problem["type"] != "extra_forbidden"):
         place, kind, found = problem["loc"], problem["type"], problem["input"]
-        last = place[-1] if place else ""
+        last = str(place[-1]) if place else ""
         # of the two forms, report the errors of the one that was given
-        if last in _LIST or (last in _ONE and isinstance(found, list | tuple)):
+        if _LIST.fullmatch(last) or (_ONE.fullmatch(last) and isinstance(found, list | tuple)):
             continue
         keys = [
-            str(key) for i, key in enumerate(place) if tuple(place[: i + 1]) not in kinds and key not in (*_ONE, *_LIST)
+            shortened(str(key))
+            for i, key in enumerate(place)
+            if tuple(place[: i + 1]) not in kinds and not (_ONE.fullmatch(str(key)) or _LIST.fullmatch(str(key)))
         ]
         path = ".".join(keys)
         if kind == "extra_forbidden":
-            near, hint = _hint(str(last), place[:-1], tables(scene))
+            near, hint = _hint(last, place[:-1], tables(scene))
             suggested.add(".".join([*keys[:-1], near]))
             lines.append(f"unknown key '{path}'; {hint}")
         elif kind == "missing":
@@ -47,12 +51,21 @@ def explain(error: ValidationError, where: str, scene: type[Part]) -> str:
             if kind == "union_tag_not_found":
                 lines.append(f"'{path}.kind' is missing: add it, one of {names}")
             else:
-                lines.append(f"{path}.kind: Input should be one of {names} (found {problem['ctx']['tag']!r})")
+                lines.append(f"{path}.kind: Input should be one of {names} (found {_value(problem['ctx']['tag'])})")
         else:
-            message = problem["msg"].removeprefix("Value error, ")
-            value = f" (found {found!r})" if path and isinstance(found, str | int | float | bool) else ""
+            message = printable(problem["msg"].removeprefix("Value error, "))
+            value = f" (found {_value(found)})" if path and isinstance(found, str | int | float | bool) else ""
             lines.append(f"{path + ': ' if path else ''}{message}{value}")
     return "\n".join(f"{where}: {line}" for line in dict.fromkeys(lines))
+
+
+def _value(found: str | float) -> str:
+    """What was found, on one line; of a long one the beginning."""
+    if isinstance(found, str):
+        return repr(shortened(found))
+    if isinstance(found, int) and abs(found) > LARGEST:
+        return f"a whole number of size above {LARGEST:g}"
+    return repr(found)
 
 
 def _hint(key: str, place: tuple[int | str, ...], known: Sequence[Table]) -> tuple[str, str]:

@@ -6,27 +6,45 @@ they go into the JSON Schema, the reference page (`crosscheck.documents`) and th
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from crosscheck.errors import UsageError
 from crosscheck.scene import observables
+from crosscheck.text import printable
 
 Floats: TypeAlias = NDArray[Any]
-Positive = Annotated[float, Field(gt=0)]
+#: Sizes of the numbers in a scene. Squares, cubes and products of two of them are far from the ends of the doubles,
+#: 1e-308 and 1e308, so that areas, volumes and energies neither vanish nor overflow; SI units are well within.
+LEAST, LARGEST = 1e-100, 1e100
+
+
+def _not_tiny(number: float) -> float:
+    """`number`, which may be divided by; ValueError if it is so small that its inverse cube overflows."""
+    if number < LEAST:
+        raise ValueError(f"out of range: the smallest number above 0 is {LEAST:g} here: take other units")
+    return number
+
+
+Positive = Annotated[float, Field(gt=0), AfterValidator(_not_tiny)]
 NonNegative = Annotated[float, Field(ge=0)]
 Restitution = Annotated[float, Field(ge=0, le=1)]
-Index = Annotated[int, Field(ge=0)]
-Count = Annotated[int, Field(gt=0)]
+#: An index that every engine can hold, in 32 bits with a sign.
+Index = Annotated[int, Field(ge=0, le=2**31 - 1)]
+#: A number that a double holds exactly.
+Count = Annotated[int, Field(gt=0, le=2**53)]
+#: A seed that fits into 64 bits with a sign.
+Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
 Vector: TypeAlias = tuple[float, ...]
 AXES = "xyz"
 
 
 class Part(BaseModel):
-    """A table of a scene: frozen; unknown keys, NaN and infinities are refused.
+    """A table of a scene: frozen; unknown keys, NaN and infinities are refused, as are numbers above 1e100.
 
     The string below an entry says "[unit] what it is; absent: what holds without it". [1] is a number without a unit;
     an entry that is no quantity (a name, a switch, a table) has no unit. Temperatures are energies: k_B = 1.
@@ -35,6 +53,18 @@ class Part(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, use_attribute_docstrings=True
     )
+
+    @model_validator(mode="after")
+    def _in_range(self) -> Self:
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            numbers = value if isinstance(value, tuple) else (value,)
+            if numbers and isinstance(numbers[0], tuple):
+                numbers = tuple(chain.from_iterable(numbers))
+            largest = max((abs(number) for number in numbers if isinstance(number, float)), default=0.0)
+            if largest > LARGEST:
+                raise ValueError(f"{name}: {largest:g} is out of range: the largest number is {LARGEST:g} here")
+        return self
 
 
 class Interaction(Part):
@@ -216,7 +246,7 @@ class Box(Part):
     """[length] L along each axis; absent: a square or cube of the density or packing fraction."""
     density: Positive | None = None
     """[1/length^d] Number density N/V in d dimensions; absent: follows from the lengths."""
-    packing_fraction: Annotated[float, Field(gt=0, lt=1)] | None = None
+    packing_fraction: Annotated[float, Field(gt=0, lt=1), AfterValidator(_not_tiny)] | None = None
     """[1] Volume (2D: area) of the hard spheres over that of the box; absent: follows from the lengths."""
     boundaries: tuple[Literal["periodic", "wall", "open", "hard"], ...] | None = None
     """One per axis: periodic; "wall", a 12-6 wall of a Lennard-Jones fluid; "hard", a wall of hard spheres; or open.
@@ -377,7 +407,7 @@ class Occupations(Part):
     """Edge, in sites, of cells in which the number of particles is exactly round(d b cells^2), at random places; the
     x/L and y/L of waves are then 0 in the first cell and 1 in the last. Absent: every channel is drawn
     independently."""
-    seed: Index
+    seed: Seed
     """Seed of the random numbers of the start."""
 
     @model_validator(mode="after")
@@ -395,11 +425,8 @@ class Occupations(Part):
 class Explicit(Part):
     """Positions and velocities of all particles, one row a particle."""
 
-    # in Python the kind may be left out, in a file it may not: it says which table of [initial] is meant
-    model_config = ConfigDict(json_schema_extra={"required": ["kind", "positions"]})
-
     kind: Literal["explicit"] = "explicit"
-    """Says that the initial state is this one."""
+    """Says that the initial state is this one; absent: it is, if `positions` are given."""
     positions: tuple[Vector, ...]
     """[length] One row of d coordinates per particle."""
     velocities: tuple[Vector, ...] | None = None
@@ -428,7 +455,7 @@ class Lattice(Part):
     speed: NonNegative | None = None
     """[length/time] The same speed for all particles that move, in random directions; absent: `temperature` is
     given."""
-    seed: Index
+    seed: Seed
     """Seed of the random velocities."""
 
     @model_validator(mode="after")
@@ -462,7 +489,23 @@ class File(Part):
     """Path of the file, relative to the scene file."""
 
 
-Initial: TypeAlias = Annotated[Explicit | Lattice | Kepler | File | Occupations, Field(discriminator="kind")]
+def _kind(initial: Any) -> str | None:
+    """The kind of an initial state: as given, or "explicit" of a table with positions; None if it cannot be told."""
+    if isinstance(initial, dict):
+        kind = initial.get("kind", "explicit" if "positions" in initial else None)
+    else:
+        kind = getattr(initial, "kind", None)
+    return None if kind is None else str(kind)
+
+
+Initial: TypeAlias = Annotated[
+    Annotated[Explicit, Tag("explicit")]
+    | Annotated[Lattice, Tag("lattice")]
+    | Annotated[Kepler, Tag("kepler")]
+    | Annotated[File, Tag("file")]
+    | Annotated[Occupations, Tag("occupations")],
+    Discriminator(_kind),
+]
 if TYPE_CHECKING:
     Observable: TypeAlias = str
 else:
@@ -477,7 +520,7 @@ class Output(Part):
 
     interval: Positive | None = None
     """[time] Time between samples; absent: no samples, or those of `collisions`."""
-    collisions: tuple[Annotated[int, Field(gt=0)], ...] | None = None
+    collisions: tuple[Count, ...] | None = None
     """Of hard spheres, in place of `interval`: increasing numbers of pair collisions, right after which a sample is
     taken; the run ends at the last of them. Absent: samples at every `interval`."""
     observables: tuple[Observable, ...] = ()
@@ -486,7 +529,7 @@ class Output(Part):
     """true: positions and velocities of all particles at each sample."""
     forces: bool = False
     """true: the force on every particle at the end of the run."""
-    fields: tuple[Annotated[int, Field(gt=0)], ...] | None = None
+    fields: tuple[Count, ...] | None = None
     """Number of cells along each axis. Of hard spheres, the hydrodynamic fields are averaged in them over the whole
     run; of a lattice gas, they are the blocks of the observable "populations". Absent: no fields; one block."""
 
@@ -558,6 +601,19 @@ class Method(Part):
         return self.dt
 
 
+def _title(name: str) -> str:
+    """`name`, if it can stand in one line of a file and above a picture; else ValueError."""
+    if name != printable(name):
+        raise ValueError("a name is one line of text without control characters")
+    if len(name) > LONGEST_NAME:
+        raise ValueError(f"a name of {len(name)} characters is too long: take at most {LONGEST_NAME}")
+    return name
+
+
+#: Characters of the longest name: what can still be read above a picture.
+LONGEST_NAME = 200
+
+
 class SceneEntries(Part):
     """A scene: dimension, particles, one interaction, box, initial state, duration and output.
 
@@ -568,8 +624,8 @@ class SceneEntries(Part):
     # The checks of hard spheres and lattice gases compare entries of different tables. They take this class, so that
     # `Scene`, which calls them, is imported by nothing that it imports.
 
-    name: str
-    """Name of the scene, for messages and files."""
+    name: Annotated[str, AfterValidator(_title)]
+    """Name of the scene, for messages and files: one line, of at most 200 characters."""
     dimension: Literal[1, 2, 3]
     """Dimension d of space."""
     duration: NonNegative
@@ -580,7 +636,7 @@ class SceneEntries(Part):
     """Species of each particle, counted from 0; absent: all are of one."""
     acceleration: Vector | None = None
     """[length/time^2] Uniform field that acts on hard spheres, d components; absent: none."""
-    seed: Index | None = None
+    seed: Seed | None = None
     """Seed of the random numbers drawn during the run: of hard spheres, by thermal walls and random phases; of a
     lattice gas, by collisions, diffusive walls and the force. Absent: the seed of the initial state."""
     spring: Spring | None = None

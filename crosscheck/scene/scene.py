@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from pydantic import ValidationError, model_validator
 
 from crosscheck.errors import UsageError
+from crosscheck.files import unreadable
 from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, refuse_hard_spheres_entries
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
 from crosscheck.scene.observables import FRICTION, Matter, Observable, asked_for
-from crosscheck.scene.parts import INTERACTIONS, Explicit, File, Floats, Kepler, Lattice, Occupations, SceneEntries
+from crosscheck.scene.parts import INTERACTIONS, Explicit, File, Floats, Kepler, Lattice, LennardJones, Occupations, SceneEntries
+from crosscheck.scene.sizes import refuse_large, refuse_large_start
 from crosscheck.scene.starts import (
     State,
     apocentre,
@@ -28,7 +30,9 @@ from crosscheck.scene.starts import (
     random_velocities,
     read_configuration,
     refuse_coincidence,
+    refuse_not_finite,
 )
+from crosscheck.text import shortened
 
 #: Matters of the observables that a scene with smooth forces, hard spheres or a lattice gas can ask for.
 SMOOTH: tuple[Matter, ...] = ("any", "particles", "smooth_particles")
@@ -70,6 +74,8 @@ class Scene(SceneEntries):
         recorded = set(self.output.observables) - {"sites"} or self.output.trajectory
         if self.output.interval is None and self.output.collisions is None and recorded:
             raise ValueError("output.interval is missing: say how often to record")
+        if self.lennard_jones is not None:
+            _check_species(self, self.lennard_jones)
         check_lattice_gas(self)
         if self.lattice_gas is not None:
             return self
@@ -100,15 +106,25 @@ class Scene(SceneEntries):
         path: of the TOML file. UsageError if a file cannot be read, or with a line for each mistake in it.
         """
         path = Path(path)
+        reason = unreadable(path)
+        if reason:
+            raise UsageError(f"{path}: cannot be read ({reason}); give the path of a scene file")
         try:
-            table = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise UsageError(f"{path}: cannot be read ({error.strerror}); give the path of a scene file") from None
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise UsageError(f"{path}: not valid TOML: {error}") from None
-        scene = cls.from_json(json.dumps(table, default=str), str(path))
+            table = json.dumps(tomllib.loads(path.read_bytes().decode("utf-8-sig")), default=str)
+        except ValueError as error:  # of the encoding, the text, or a number with more digits than Python converts
+            raise UsageError(f"{path}: not valid TOML: {shortened(str(error), 300)}") from None
+        except RecursionError:
+            raise UsageError(f"{path}: not valid TOML: tables or lists are nested too deeply") from None
+        scene = cls.from_json(table, str(path))
         if isinstance(scene.initial, File):
-            scene = scene.changed(initial=read_configuration(path.parent / scene.initial.path, scene.dimension))
+            place = path.parent / scene.initial.path
+            reason = unreadable(place)
+            if reason:
+                raise UsageError(f"initial.path = {place}: cannot be read as a configuration ({reason})")
+            try:
+                scene = scene.changed(initial=read_configuration(place, scene.dimension))
+            except ValidationError as error:
+                raise UsageError(explain(error, f"initial.path = {place}", cls)) from None
         return scene
 
     def to_json(self) -> str:
@@ -150,7 +166,8 @@ class Scene(SceneEntries):
     def lengths(self) -> Floats | None:
         """Sides of the box, (d,), length; None without a box.
 
-        UsageError if they do not follow from packing_fraction, because all diameters are 0.
+        UsageError if they do not follow from density or packing_fraction: because all diameters are 0, or the volume is
+        no number.
         """
         if self.box is None:
             return None
@@ -160,13 +177,16 @@ class Scene(SceneEntries):
             diameters = self.diameters()
             assert diameters is not None
             unit = math.pi / 4 if self.dimension == 2 else math.pi / 6
-            volume = unit * float((diameters**self.dimension).sum()) / self.box.packing_fraction
+            with np.errstate(over="ignore"):
+                volume = unit * float((diameters**self.dimension).sum()) / self.box.packing_fraction
             if volume == 0:
                 fraction = self.box.packing_fraction
                 raise UsageError(f"box.packing_fraction = {fraction:g} needs particles with a diameter: give density")
         else:
             assert self.box.density is not None
             volume = self.number / self.box.density
+        if not math.isfinite(volume):
+            raise UsageError("box: its volume is beyond all numbers: give a larger density or packing fraction")
         return np.full(self.dimension, volume ** (1.0 / self.dimension))
 
     def periods(self) -> Floats:
@@ -186,6 +206,7 @@ class Scene(SceneEntries):
         if output.interval is None:
             return np.array([0.0, self.duration])
         ratio = self.duration / output.interval
+        refuse_large(16 * ratio, f"output.interval: {ratio:.4g} samples", "record less often")
         whole = round(ratio) if abs(ratio - round(ratio)) <= 1e-9 * max(1.0, ratio) else math.floor(ratio)
         return np.minimum(np.arange(whole + 1) * output.interval, self.duration)
 
@@ -238,16 +259,25 @@ class Scene(SceneEntries):
     def initial_sites(self) -> NDArray[np.uint8]:
         """States of the sites of a lattice gas, (rows, columns): bit i says that channel i is occupied.
 
-        UsageError if density or velocity are out of range, or an obstacle is not on the lattice.
+        UsageError if density or velocity are out of range, an obstacle is not on the lattice, or the memory too small.
         """
+        refuse_large_start(self)
         return initial_sites(self)
 
     def initial_occupations(self) -> Floats:
         """Mean occupations of the channels of a lattice gas, (rows, columns, channels).
 
-        UsageError if density or velocity are out of range, or an obstacle is not on the lattice.
+        UsageError if density or velocity are out of range, an obstacle is not on the lattice, or the memory too small.
         """
+        refuse_large_start(self)
         return initial_occupations(self)
+
+    def check_start(self) -> None:
+        """UsageError if there is no initial state: see `initial_sites` and `initial_state`."""
+        if self.lattice_gas is not None:
+            self.initial_sites()
+        else:
+            self.initial_state()
 
     def wall_rules(self) -> NDArray[np.uint8] | None:
         """Rules of the wall sites of a lattice gas, (rows, columns), the constants of `refimpl.lattice.gas`.
@@ -260,8 +290,10 @@ class Scene(SceneEntries):
         """The initial state of the particles, the same for every engine.
 
         UsageError if numbers of masses or species do not fit, if two particles are at the same place (springs: they may
-        be), or if hard spheres overlap or are not inside their walls.
+        be), if hard spheres overlap or are not inside their walls, if a number overflows, or if there are more particles
+        than the memory holds.
         """
+        refuse_large_start(self)
         lengths = self.lengths()
         n = self.number
         masses = np.full(n, self.masses) if isinstance(self.masses, float) else np.array(self.masses)
@@ -290,11 +322,26 @@ class Scene(SceneEntries):
         else:
             raise UsageError("initial.kind = 'file' is read by Scene.load: load the scene from its file")
         state = State(positions, velocities, masses, species, lengths, diameters, spins)
+        refuse_not_finite(state)
         if self.hard_spheres is not None:
             check_hard_state(self, self.hard_spheres, state, fixed, self.periods())
         elif self.spring is None:
             refuse_coincidence(positions, lengths, [b == "periodic" for b in self.boundaries])
         return state
+
+
+def _check_species(scene: SceneEntries, fluid: LennardJones) -> None:
+    """ValueError unless each species has an epsilon and a length, where these are given one per species."""
+    for name, values in (("epsilon", fluid.epsilon), ("length", fluid.length)):
+        if not isinstance(values, tuple):
+            continue
+        if not values:
+            raise ValueError(f"lennard_jones.{name} is empty: give one value, or one per species")
+        if len(values) > 1 and scene.species is None:
+            raise ValueError(f"lennard_jones.{name} has {len(values)} values, one per species: add species")
+        highest = max(scene.species or (0,))
+        if len(values) > 1 and highest >= len(values):
+            raise ValueError(f"species {highest} has no lennard_jones.{name}: there are {len(values)} values")
 
 
 def whole_steps(span: float, dt: float, name: str) -> int:

@@ -19,6 +19,8 @@ _BASES = {
     "square": [[0, 0]],
     "triangular": [[0, 0], [0.5, 0.5]],
 }
+#: A lattice of more than about this many sites a particle is made anew, for boxes that are flat.
+_SURPLUS = 100
 
 
 class State(NamedTuple):
@@ -61,11 +63,24 @@ def _unit_cells(initial: Lattice, lengths: Floats, number: int) -> tuple[Floats,
     cell = np.ones(lengths.size)
     if initial.structure == "triangular":
         cell[1] = 3**0.5
-    edge = (np.prod(lengths / cell) * len(basis) / number) ** (1.0 / lengths.size)
-    counts = np.maximum(1, np.floor(lengths / (cell * edge) + 1e-9)).astype(int)
+    sides = lengths / cell
+    counts = _counts(sides, number / len(basis), np.zeros(lengths.size, dtype=bool))
+    flat = np.zeros(lengths.size, dtype=bool)
+    while np.prod(counts) * len(basis) > _SURPLUS * number + _SURPLUS and not flat.all():
+        # a box that is flat along some axes, one cell there: without it the others have no more cells than they need
+        flat[np.argmin(np.where(flat, np.inf, sides))] = True
+        counts = _counts(sides, number / len(basis), flat)
     while np.prod(counts) * len(basis) < number:
-        counts[np.argmax(lengths / (cell * counts))] += 1
-    return basis, counts
+        counts[np.argmax(sides / counts)] += 1
+    return basis, counts.astype(np.int64)
+
+
+def _counts(sides: Floats, cells: float, flat: NDArray[np.bool_]) -> Floats:
+    """How many cells of nearly equal edges go into each side (d,), about `cells` in all; one along axes that are flat."""
+    if flat.all():
+        return np.ones(sides.size)
+    edge = (np.prod(sides[~flat]) / cells) ** (1.0 / np.count_nonzero(~flat))
+    return np.where(flat, 1.0, np.maximum(1.0, np.floor(sides / edge + 1e-9)))
 
 
 def _cells(counts: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -121,6 +136,11 @@ def lattice_sites_inside(initial: Lattice, scene: SceneEntries, lengths: Floats,
         if len(found) >= initial.number:
             break
         number += max(1, number // 20)
+        if number > _SURPLUS * initial.number + _SURPLUS:
+            raise UsageError(
+                f"box.cylinder.radius = {cylinder.radius:g} leaves no room for {initial.number} particles of diameter "
+                f"{2 * radius:g}: make it larger"
+            )
         found = sites(number)
     return _spread(found, initial.number)
 
@@ -241,6 +261,16 @@ def wall_strokes(faces: tuple[Face | None, ...]) -> Floats:
     """
     strokes = [0.0 if face is None or face.oscillation is None else face.oscillation.amplitude for face in faces]
     return np.reshape(strokes, (-1, 2))
+
+
+def refuse_not_finite(state: State) -> None:
+    """UsageError if a number of an initial state, computed from those of the scene, is beyond all numbers.
+
+    state: all of it.
+    """
+    for name, values in (("positions", state.positions), ("velocities", state.velocities), ("box", state.lengths)):
+        if values is not None and not np.isfinite(values).all():
+            raise UsageError(f"initial: {name} are not finite: the numbers of the scene are too large or too small")
 
 
 def refuse_coincidence(positions: Floats, lengths: Floats | None, periodic: Iterable[bool]) -> None:

@@ -15,6 +15,7 @@ from crosscheck.scene import Floats, Method, Scene
 from crosscheck.scene.lattice_gas import gas_model
 from crosscheck.simulate.observables import Result, method_label
 from crosscheck.simulate.trajectory import in_space
+from crosscheck.text import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,13 +59,13 @@ def draw_picture(
     with matplotlib.rc_context(style), np.errstate(all="ignore"):
         figure = Figure(figsize=(max(5.5, 4.6 * len(results)), sum(heights) + 0.5), layout="constrained")
         FigureCanvasAgg(figure)
-        figure.suptitle(f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}")
+        figure.suptitle(f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}", parse_math=False)
         grid = figure.add_gridspec(len(heights), len(results), height_ratios=heights)
         energy_axes: Axes | None = None
         for column, result in enumerate(results):
             axes = figure.add_subplot(grid[0, column])
             state = " (diverged)" if result.run.diverged else " (stopped)" if result.run.stopped else ""
-            axes.set_title(result.engine + state, fontsize=10)
+            axes.set_title(printable(result.engine + state), fontsize=10, parse_math=False)
             draw_configuration(axes, scene, result.run)
             if energies:
                 energy_axes = figure.add_subplot(grid[1, column], sharey=energy_axes)
@@ -80,7 +81,8 @@ def draw_picture(
                 axes.plot(
                     results[0].run["time"], np.where(values > 0, values, np.nan), color=colour, linewidth=1, label=name
                 )
-            axes.set(xlabel="time", ylabel=f"|{results[0].engine} - {results[1].engine}|", yscale="log")
+            axes.set(xlabel="time", yscale="log")
+            axes.set_ylabel(printable(f"|{results[0].engine} - {results[1].engine}|"), parse_math=False)
             axes.legend(**above)
         paths = [out / "picture.png", out / "picture.svg"]
         figure.savefig(paths[0], dpi=130, metadata={"Software": None})

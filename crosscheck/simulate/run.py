@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from importlib.resources import as_file, files
@@ -30,12 +31,11 @@ def load(name: str | Path) -> Scene:
 
     name: path of a TOML file, or name of a shipped scene. UsageError if there is neither, or if the scene is not valid.
     """
-    path = Path(name)
-    if path.is_file():
-        return Scene.load(path)
-    if str(name) in shipped_scenes():
+    if not os.path.isfile(name) and str(name) in shipped_scenes():
         with as_file(files("crosscheck") / "scenes" / f"{name}.toml") as shipped:
             return Scene.load(shipped)
+    if os.path.lexists(name):
+        return Scene.load(name)
     raise UsageError(f"{name}: there is no such file, nor a shipped scene; shipped are {', '.join(shipped_scenes())}")
 
 
@@ -52,6 +52,7 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path, time_limit: f
     method = _method(loaded)
     if len(set(engines)) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
+    loaded.check_start()
     pool = Pool(time_limit=time_limit)
     try:
         results = [_run(loaded, method, engine, pool) for engine in engines]

@@ -18,6 +18,7 @@ import numpy as np
 from crosscheck.engines.capabilities import refusal
 from crosscheck.engines.protocol import Claims, Engine
 from crosscheck.engines.registry import load_class
+from crosscheck.engines.sizes import refuse_large_run
 from crosscheck.engines.soft_spheres import resolved
 from crosscheck.engines.workers import border
 from crosscheck.errors import UsageError
@@ -36,6 +37,7 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
         return {"version": border.version(engine.version())}
     scene = Scene.from_json(request["scene"])
     method = resolved(scene, Method.model_validate_json(request["method"]))
+    refuse_large_run(scene, method)
     wanted = _without_derived(scene)
     reason = refusal(engine, wanted, method) or border.reason(engine.supports(wanted, method))
     if request["call"] == "supports":

@@ -34,7 +34,7 @@ from crosscheck.scene import (
         (FLUID, "lennard_jones.epsilon", [1.0, -1.0], "lennard_jones.epsilon.1: Input should be greater than 0"),
         (SPRING, "duration", ..., "'duration' is missing: add it"),
         (SPRING, "spring.k", ..., "'spring.k' is missing: add it"),
-        (SPRING, "initial.kind", ..., "'initial.kind' is missing: add it, one of explicit, lattice, kepler, file"),
+        (FLUID, "initial.kind", ..., "'initial.kind' is missing: add it, one of explicit, lattice, kepler, file"),
         (SPRING, "initial.kind", "random", "initial.kind: Input should be one of explicit, lattice, kepler, file"),
         (FLUID, "initial.structre", "fcc", "unknown key 'initial.structre'; did you mean 'structure'?"),
         (MIXTURE, "hard_spheres.fixd", [0], "unknown key 'hard_spheres.fixd'; did you mean 'fixed'?"),
