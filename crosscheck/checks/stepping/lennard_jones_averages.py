@@ -35,7 +35,7 @@ def _judge(laboratory: Laboratory, point: StatePoint) -> Judged:
             theirs[name].value,
             theirs[name].error,
             "standard errors of two correlated series",
-            samples=min(ours[name].independent, theirs[name].independent),
+            samples=(ours[name], theirs[name]),
             needed=0.05 if name != "p" else None,
         )
         for name in ("T", "u", "p")

@@ -47,7 +47,7 @@ def _judge(laboratory: Laboratory, point: StatePoint) -> Judged:
                 # a finite system at constant energy differs by 1/N in the quantity, and in what its temperature is
                 float(np.sqrt(gap**2 + (size / PARTICLES) ** 2 + (slope * t.value / PARTICLES) ** 2)),
                 "error of correlated data, half the gap between two equations of state, 1/N of it and of T",
-                samples=mean.independent,
+                samples=(mean, t),
                 needed=0.05 if name == "u" else None,
             )
         )
