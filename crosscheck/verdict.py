@@ -4,8 +4,8 @@ A criterion is one of five kinds:
 
 round_off   |measured - expected| <= tolerance, the tolerance counted in rounding errors;
 order       the same, for the fitted slope of log error against log step;
-statistical |measured - expected| <= z u, with u the standard error of correlated data and z the two-sided quantile for
-            the false-alarm rate `FALSE_ALARM` of one verdict;
+statistical |measured - expected| <= t u, with u the standard error of correlated data and t the two-sided quantile of
+            Student's distribution for the false-alarm rate `FALSE_ALARM` of one verdict; a series that drifts is red;
 bound       measured <= limit (or >=);
 expected_failure  a deviation that the check must find: measured >= limit.
 """
@@ -15,9 +15,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, cast
 
 from crosscheck.figure import Figure
+from crosscheck.statistics import Mean, Trend
 
 Outcome = Literal["pass", "fail", "inconclusive", "skip", "error"]
 Kind = Literal["round_off", "order", "statistical", "bound", "expected_failure"]
@@ -26,6 +27,12 @@ Sense = Literal["both", "at_most", "at_least"]
 
 #: Probability that one statistical verdict is red although the code is right (two-sided, Student's t).
 FALSE_ALARM = 1e-4
+
+#: A standard error of fewer degrees of freedom (quantile 13) decides nothing; and independent samples fewer than these.
+LEAST_FREEDOM, LEAST_SAMPLES = 4.0, 10.0
+#: The largest believable deviation of the mean of a series, in standard deviations of its own values. Series as long as
+#: their correlation time go further from the true mean with the probability 1e-4: found in 1e5 autoregressive ones.
+LARGEST_IN_SPREADS = 12.0
 
 #: What the sensitivity of a judgement is: in its docstring, in docs/record.md and in the report.
 SENSITIVITY = (
@@ -313,24 +320,35 @@ def statistical(
     expected_uncertainty: float,
     why: str,
     *,
-    samples: float,
+    samples: float | Mean | Sequence[Mean],
     needed: float | None = None,
     note: str = "",
     figures: tuple[Figure, ...] = (),
 ) -> Judgement:
     """The judgement |measured - expected| <= t u, u^2 = uncertainty^2 + expected_uncertainty^2; NaN fails.
 
-    t is the two-sided quantile of Student's distribution with `samples` - 1 degrees of freedom for `FALSE_ALARM`.
-    quantity: name and unit of what was measured. uncertainty, expected_uncertainty: standard errors, in that unit. why:
-    the reason for what is expected. samples: number of independent samples of the smaller of the two data sets; below
-    10 the error bar itself is too uncertain, and the outcome is "inconclusive". needed: the relative deviation that the
-    check must be able to detect; where it could not, "inconclusive" takes the place of "pass". note, figures: see
+    t is the two-sided quantile of Student's distribution for `FALSE_ALARM`, and thereby the largest deviation that is
+    believable, however few the samples. quantity: name and unit of what was measured. uncertainty,
+    expected_uncertainty: standard errors, in that unit. why: the reason for what is expected. samples: number of
+    independent samples of the smaller of the two data sets, t has one degree of freedom less; or the means of the
+    correlated series that were measured, which know theirs. A series that drifts is red, whatever its mean. Where the
+    error itself is too uncertain (`LEAST_FREEDOM`, `LEAST_SAMPLES`), "inconclusive" takes the place of "pass". needed:
+    the relative deviation that the check must be able to detect; where it could not, the same. note, figures: see
     `Judgement`.
     """
-    from scipy.stats import t
-
+    means: Sequence[Mean] = ()
+    if isinstance(samples, Mean):
+        means = (samples,)
+    elif isinstance(samples, Sequence):
+        means = cast(Sequence[Mean], samples)  # a Mean is a sequence too, of numbers
+    else:
+        number, freedom = float(samples), float(samples) - 1
+    if means:
+        number, freedom = min(mean.independent for mean in means), min(mean.freedom for mean in means)
     u = math.hypot(uncertainty, expected_uncertainty)
-    quantile = float(t.isf(FALSE_ALARM / 2, max(samples - 1, 1)))
+    quantile = _quantile(freedom)
+    if means:
+        quantile = min(quantile, LARGEST_IN_SPREADS * math.sqrt(number))
     tolerance = quantile * u
     known = math.isfinite(u) and math.isfinite(measured - expected)
     sigmas = math.inf
@@ -338,9 +356,17 @@ def statistical(
         sigmas = abs(measured - expected) / u if u > 0 else 0.0
     sensitivity = _relative(tolerance, expected)
     outcome: Outcome = "pass" if sigmas <= quantile else "fail"
-    insensitive = needed is not None and sensitivity > needed
-    if (known and samples < 10) or (outcome == "pass" and insensitive):
+    few = number < LEAST_SAMPLES or freedom < LEAST_FREEDOM
+    if outcome == "pass" and (few or (needed is not None and sensitivity > needed)):
         outcome = "inconclusive"
+    if known and few and u == 0:  # equal samples, too few to have shown that they scatter
+        outcome = "inconclusive"
+    drifts = [(mean.trend.sigmas / _quantile(mean.trend.freedom), mean.trend) for mean in means if mean.trend]
+    share, trend = max(drifts, key=lambda drift: drift[0], default=(0.0, None))
+    deviation = sigmas / quantile
+    if trend is not None and share > 1:
+        outcome, deviation = "fail", max(deviation, share)
+        note = "; ".join(filter(None, (_drift(trend), note)))
     reason = f"{why}; red beyond {quantile:.2f} sigma, false-alarm rate {FALSE_ALARM:g}"
     return Judgement(
         outcome,
@@ -349,10 +375,25 @@ def statistical(
         uncertainty,
         expected,
         expected_uncertainty,
-        sigmas / quantile,
+        deviation,
         sensitivity,
         Criterion("statistical", "both", tolerance, reason),
         sigmas=sigmas,
         note=note,
         figures=figures,
+    )
+
+
+def _quantile(freedom: float) -> float:
+    """The two-sided quantile of Student's distribution for `FALSE_ALARM`."""
+    from scipy.stats import t
+
+    return float(t.isf(FALSE_ALARM / 2, max(freedom, 1)))
+
+
+def _drift(trend: Trend) -> str:
+    """The remark on a series that is not stationary."""
+    return (
+        f"drifts: by {trend.change:.4g} from the first to the last value of the series, {trend.sigmas:.3g} standard "
+        f"errors, red beyond {_quantile(trend.freedom):.3g}; a mean of it has no meaning"
     )

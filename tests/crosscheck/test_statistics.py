@@ -8,7 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from crosscheck.statistics import correlated_mean, fitted_order, independent_mean, standard_error
+from crosscheck.statistics import (
+    Mean,
+    Trend,
+    combined,
+    correlated_mean,
+    fitted_order,
+    independent_mean,
+    mean_of_stretches,
+    standard_error,
+)
 
 
 def autoregressive(rho: float, count: int, length: int, seed: int) -> np.ndarray:
@@ -51,7 +60,7 @@ def test_independent_values_have_the_error_of_the_textbook() -> None:
 
 @pytest.mark.parametrize("value", [0.0, 1.0, 0.1, -1e300, 1e-300])
 def test_constant_series_has_no_error(value: float) -> None:
-    assert correlated_mean(np.full(1000, value)) == (value, 0.0, 1000.0)
+    assert correlated_mean(np.full(1000, value)) == (value, 0.0, 1000.0, 999.0, None)
 
 
 @given(
@@ -70,6 +79,60 @@ def test_error_follows_scale_and_shift(x: np.ndarray, scale: float, shift: float
 def test_too_few_or_broken_values_are_refused(x: list[float]) -> None:
     with pytest.raises(ValueError, match="at least 4 finite values"):
         correlated_mean(x)
+
+
+# -- trends ------------------------------------------------------------------------------------------
+
+
+@given(slope=st.floats(-10, 10).filter(lambda x: abs(x) > 0.1), level=st.floats(-100, 100), length=st.integers(8, 300))
+def test_the_trend_of_a_line_is_its_rise(slope: float, level: float, length: int) -> None:
+    trend = correlated_mean(level + slope * np.linspace(0, 1, length)).trend
+    assert trend is not None
+    assert trend.change == pytest.approx(slope, rel=1e-9)
+    assert trend.sigmas > 1e6
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.9])
+def test_errors_of_trends_cover_what_stationary_series_rise_by(rho: float) -> None:
+    """As for means: the change between the ends of series without a trend, in its own standard errors."""
+    trends = [correlated_mean(series).trend for series in autoregressive(rho, 300, 2000, seed=4)]
+    z = np.array([trend.sigmas for trend in trends if trend is not None])
+    assert z.size == 300
+    for sigmas, nominal in ((1, 0.683), (2, 0.954)):
+        scatter = (nominal * (1 - nominal) / 300) ** 0.5
+        # where rho = 0.9 the error itself is uncertain by a tenth
+        assert np.mean(z < sigmas) == pytest.approx(nominal, abs=5 * scatter)
+
+
+def test_rounding_errors_are_no_trend() -> None:
+    steps = 1.0 + np.finfo(float).eps * np.arange(50)
+    assert correlated_mean(1e6 * steps).trend is None
+
+
+def test_short_series_have_no_trend() -> None:
+    assert correlated_mean([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]).trend is None
+    assert correlated_mean([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.5]).trend is not None
+
+
+def test_stretches_are_independent() -> None:
+    x = np.random.default_rng(3).normal(size=16)
+    mean = mean_of_stretches(x)
+    assert (mean.value, mean.independent, mean.freedom) == (x.mean(), 16, 15)
+    assert mean.error >= standard_error(x)
+    assert mean.trend is not None
+    from scipy.stats import linregress
+
+    line = linregress(np.arange(16), x)
+    assert mean.trend.change == pytest.approx(15 * line.slope)
+    assert mean.trend.error == pytest.approx(15 * line.stderr)
+    assert mean.trend.freedom == 14
+
+
+def test_a_derived_mean_is_as_certain_as_the_least_certain() -> None:
+    still, rising = Trend(1.0, 1.0, 30.0), Trend(-9.0, 1.0, 20.0)
+    one, other = Mean(1.0, 0.1, 100.0, 20.0, rising), Mean(2.0, 0.1, 50.0, 25.0, still)
+    assert combined(3.0, 0.2, [one, other]) == Mean(3.0, 0.2, 50.0, 20.0, rising)
+    assert combined(3.0, 0.2, [one._replace(trend=None)]).trend is None
 
 
 # -- orders ------------------------------------------------------------------------------------------

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crosscheck.checks.base import EVENT_DRIVEN, Laboratory
 from crosscheck.engines.protocol import Kind, Run
@@ -14,7 +13,7 @@ from crosscheck.figure import FieldMap, Figure, Frame, RoundFrame, Series, Snaps
 from crosscheck.references import EPSILON
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, explicit
 from crosscheck.scene.overlaps import wrapped
-from crosscheck.statistics import correlated_mean, standard_error
+from crosscheck.statistics import Mean, mean_of_stretches, standard_error
 from crosscheck.verdict import FALSE_ALARM, Judgement, bounded, round_off, statistical
 
 #: Asked for by all driven scenes, so that they share their kernels.
@@ -134,15 +133,14 @@ def energy_budget(runs: list[Run]) -> Judgement:
     )
 
 
-def steady_mean(values: ArrayLike, quantity: str, expected: float, needed: float, why: str = STEADY) -> Judgement:
-    """The mean of a series, by default one value a stretch, against a number.
+def steady_mean(values: Floats | Mean, quantity: str, expected: float, needed: float, why: str = STEADY) -> Judgement:
+    """The mean of one value a stretch, or of a correlated series, against a number.
 
-    values: (samples,). quantity: what is measured, in words. expected: the number. needed: the relative deviation that
-    must be visible. why: the reason of the tolerance, in words.
+    values: (stretches,), or the mean of a series. quantity: what is measured, in words. expected: the number. needed:
+    the relative deviation that must be visible. why: the reason of the tolerance, in words.
     """
-    mean = correlated_mean(values)
-    samples = mean.independent
-    return statistical(quantity, mean.value, mean.error, expected, 0.0, why, samples=samples, needed=needed)
+    mean = values if isinstance(values, Mean) else mean_of_stretches(values)
+    return statistical(quantity, mean.value, mean.error, expected, 0.0, why, samples=mean, needed=needed)
 
 
 def significant(values: Floats, quantity: str) -> Judgement:
@@ -152,7 +150,7 @@ def significant(values: Floats, quantity: str) -> Judgement:
     """
     from scipy.stats import t
 
-    mean = correlated_mean(values)
+    mean = mean_of_stretches(values)
     return bounded(
         f"{quantity}, in standard errors",
         mean.value / mean.error,

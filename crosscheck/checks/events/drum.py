@@ -140,9 +140,8 @@ def _judge_drum(laboratory: Laboratory, contact: float) -> Judged:
 
 def _difference(quantity: str, one: Mean, other: Mean, why: str, doubt: float = 0.0) -> Judgement:
     """Two means against each other; doubt: uncertainty beside their standard errors."""
-    samples = min(one.independent, other.independent)
     error = math.hypot(other.error, doubt)
-    return statistical(quantity, one.value, one.error, other.value, error, why, samples=samples)
+    return statistical(quantity, one.value, one.error, other.value, error, why, samples=(one, other))
 
 
 def _balances(run: Run, skip: int, label: str) -> list[Judgement]:
@@ -155,14 +154,14 @@ def _balances(run: Run, skip: int, label: str) -> list[Judgement]:
     supplied = _DRUM_SPEED * (run["wall_torque"][-1] - run["wall_torque"][0])
     return [
         steady_mean(
-            (given - lost) / lost.mean(),
+            correlated_mean((given - lost) / lost.mean()),
             f"walls' work less dissipation in pairs, over the latter, {label}",
             0.0,
             0.3,
             why,
         ),
         steady_mean(
-            torque / lever.mean() - lever / lever.mean(),
+            correlated_mean(torque / lever.mean() - lever / lever.mean()),
             f"torque of the wall less that of the weight, over the latter, {label}",
             0.0,
             0.1,

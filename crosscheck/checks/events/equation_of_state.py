@@ -44,7 +44,7 @@ def _judge(laboratory: Laboratory, state: _State) -> Judged:
         known.value,
         known.uncertainty,
         "standard error of correlated blocks; of the reference for this N",
-        samples=excess.independent,
+        samples=excess,
         needed=needed,
         figures=(_figure(d, eta, 1 + excess.value, excess.error),),
     )
@@ -55,7 +55,7 @@ def _judge(laboratory: Laboratory, state: _State) -> Judged:
         1.0,
         0.0,
         "standard error of the correlated blocks' differences; exact in equilibrium at constant energy",
-        samples=difference.independent,
+        samples=difference,
         needed=0.01,
     )
     infinite = reference.compressibility(eta, d).value

@@ -98,7 +98,7 @@ def _judge_well(laboratory: Laboratory) -> Judged:
                 average - gap.value,
                 gap.error,
                 f"mean of {middle.size} dense samples, its error from {blocks} blocks",
-                samples=gap.independent,
+                samples=gap,
                 needed=5e-3,
             )
         )

@@ -15,8 +15,9 @@ from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Outp
 
 #: Observables of every `gas`: the same everywhere, so that all scenes share one compiled loop.
 TALLIES: tuple[Observable, ...] = ("collisions", "collisional_virial", "wall_impulse", "wall_collisions")
-#: Intervals of a run that are left out while it settles, and those whose averages are taken.
-SETTLING, BLOCKS = 10, 50
+#: Intervals of a run that are left out while it settles, and those whose averages are taken: many, for the correlation
+#: time of the averages, and with it their error, is known the better.
+SETTLING, BLOCKS = 40, 200
 #: Lattices of the start, which melt soon: neither fluid nor close-packed.
 LATTICE = {2: "square", 3: "sc"}
 #: Numbers of particles of the periodic gases, by dimension.

@@ -27,7 +27,7 @@ from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Frame, Series
 from crosscheck.references.conduction import enskog_conductivity, fourier_profile
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Lattice, Output, Scene
-from crosscheck.statistics import correlated_mean
+from crosscheck.statistics import mean_of_stretches
 from crosscheck.verdict import Judged, Judgement, bounded, statistical, worst
 
 
@@ -136,7 +136,7 @@ def _conductivity(found: _Profiles, step: float, dimension: int) -> Judgement:
     ]
     theory = np.array([enskog_conductivity(float(n), float(t), dimension).value for n, t in states])
     gradient = np.array([(hot[:, i] - hot[:, i + 1]) / step for i in inner]).T
-    ratio = correlated_mean(found.heat.mean(axis=1) / (gradient * theory).mean(axis=1))
+    ratio = mean_of_stretches(found.heat.mean(axis=1) / (gradient * theory).mean(axis=1))
     doubt = 0.03 if dimension == 2 else 0.02
     return statistical(
         "conductivity over Enskog's",
@@ -145,7 +145,7 @@ def _conductivity(found: _Profiles, step: float, dimension: int) -> Judgement:
         1.0,
         doubt,
         f"{STEADY}; theory uncertain by {doubt:.0%}, cells next to the walls left out",
-        samples=ratio.independent,
+        samples=ratio,
         needed=0.25,
     )
 

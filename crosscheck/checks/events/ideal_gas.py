@@ -112,7 +112,7 @@ def _judge_pressure(laboratory: Laboratory, walled: _Walled) -> Judged:
         known.value / ideal,
         known.uncertainty / ideal,
         "standard error of correlated blocks; of the reference, which grows as eta^2",
-        samples=found.mean.independent,
+        samples=found.mean,
         needed=0.02,
         figures=(_pressure_figure(density, found.mean.value / ideal, found.mean.error / ideal),),
     )
@@ -123,7 +123,7 @@ def _judge_pressure(laboratory: Laboratory, walled: _Walled) -> Judged:
         impulse_of_a_hit(temperature, 2 * WALLED),
         0.0,
         "standard error of correlated blocks; exact at constant energy",
-        samples=found.impulse.independent,
+        samples=found.impulse,
         needed=0.03,
     )
     return worst([theorem, pressure, impulse], f"N = {WALLED}; the ideal gas of points has p/(n T) = 1")
@@ -161,7 +161,7 @@ def _judge_scaling(laboratory: Laboratory, scaling: _Scaling) -> Judged:
         2.0,
         0.0,
         "standard errors of correlated blocks",
-        samples=min(m.independent for m in pressures),
+        samples=pressures,
         needed=0.01,
         figures=(_scaling_figure(scaling, p, u),),
     )

@@ -97,7 +97,7 @@ def _judge(laboratory: Laboratory, blend: Blend) -> Judged:
         z.value + few,
         float(np.hypot(z.uncertainty, few)),
         "standard error of correlated blocks; 1 % of the departure from one species; the correction for finite N",
-        samples=excess.independent,
+        samples=excess,
         needed=0.02,
         figures=(_figure(d, eta, 1 + excess.value, excess.error),),
     )
@@ -110,7 +110,7 @@ def _judge(laboratory: Laboratory, blend: Blend) -> Judged:
         expected * (1 + few / (infinite - 1)),
         0.01 * expected,
         "standard error of correlated blocks; 1 % of the contact values",
-        samples=rate.independent,
+        samples=rate,
         needed=0.06,
     )
     # at total momentum zero a particle of mass m has m<v^2> = d T (1 - m/M), M the mass of all
@@ -124,7 +124,7 @@ def _judge(laboratory: Laboratory, blend: Blend) -> Judged:
         0.0,
         0.0,
         f"standard error of {kinetic.shape[0]} samples",
-        samples=gap.independent,
+        samples=gap,
         needed=0.05,
     )
     return worst([pressure, collisions, equipartition], f"N = {number}, diameters {SIZES}, masses {WEIGHTS}")

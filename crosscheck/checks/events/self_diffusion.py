@@ -58,7 +58,7 @@ def _judge(laboratory: Laboratory, density: float) -> Judged:
         known.value,
         known.uncertainty,
         f"standard error of {ORIGINS} correlated origins; of the reference for this N",
-        samples=mean.independent,
+        samples=mean,
         needed=0.05,
         note=f"N = {DIFFUSING}, window from t1 = {WINDOW * step:.4g} to 2 t1; infinite N: {infinite.value:.5g}",
         figures=(figure,),

@@ -12,7 +12,7 @@ from crosscheck.checks.events.square_wells import OBSERVABLES, WORDS, fluid, tem
 from crosscheck.faults import Fault
 from crosscheck.references.square_well import STATES, StatePoint
 from crosscheck.scene import Floats, Output, Scene, explicit
-from crosscheck.statistics import Mean, correlated_mean
+from crosscheck.statistics import Mean, combined, correlated_mean
 from crosscheck.verdict import Judged, statistical, worst
 
 
@@ -88,7 +88,7 @@ def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
             point.energy.value,
             float(np.hypot(point.energy.uncertainty, ensemble)),
             "standard errors of correlated data, and 1/N between constant energy and constant temperature",
-            samples=energy.independent,
+            samples=energy,
             needed=0.04,
         ),
         statistical(
@@ -98,7 +98,7 @@ def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
             point.compressibility.value,
             point.compressibility.uncertainty,
             "standard error of correlated data, and 1 % of g at contact and at the edge behind the reference",
-            samples=z.independent,
+            samples=z,
             needed=0.2,
         ),
     ]
@@ -118,7 +118,7 @@ def _at(runs: list[_Production], temperature: float, name: str) -> tuple[Mean, f
     weights = np.array([t[1] - temperature, temperature - t[0]]) / (t[1] - t[0])
     value = sum(w * one.value for w, one in zip(weights, moved, strict=True))
     error = float(np.hypot(*(w * one.error for w, one in zip(weights, moved, strict=True))))
-    return Mean(float(value), error, min(one.independent for one in moved)), slope
+    return combined(float(value), error, moved), slope
 
 
 CHECKS = (

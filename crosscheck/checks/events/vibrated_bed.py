@@ -30,7 +30,7 @@ from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Frame, Series
 from crosscheck.references.under_gravity import column_profile, fixed_energy, floor_layer, mean_compressibility
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Lattice, Output, RandomPhase, Scene
-from crosscheck.statistics import correlated_mean
+from crosscheck.statistics import mean_of_stretches
 from crosscheck.verdict import Judged, Judgement, statistical, worst
 
 
@@ -150,13 +150,13 @@ def _judge_column(laboratory: Laboratory) -> Judged:
     load = number / width
     z_mean = mean_compressibility(load, warm)
     layer = floor_layer(load, warm)
-    ratio = correlated_mean(potential / kinetic)
+    ratio = mean_of_stretches(potential / kinetic)
     expected = 2 * number / (2 * number - 1) * z_mean
     below = np.cumsum(mass, axis=1)[:, :12] / number
     at = z[:12] + step / 2 - 0.5
     shares = column_profile(np.linspace(0, 0.999, 4000), load, warm)
     theory = np.interp(at, shares, np.linspace(0, 0.999, 4000)) + fixed_energy(at, number, warm)
-    excess = correlated_mean((below - theory).mean(axis=1))
+    excess = mean_of_stretches((below - theory).mean(axis=1))
     judgements = [
         energy_budget(runs),
         statistical(
@@ -166,7 +166,7 @@ def _judge_column(laboratory: Laboratory) -> Judged:
             expected,
             layer * expected,
             f"2N/(2N-1) times the mean of Z over the pressures, {z_mean:.5f}; uncertain by the layer at the floor",
-            samples=ratio.independent,
+            samples=ratio,
             needed=0.02,
         ),
         statistical(
@@ -176,7 +176,7 @@ def _judge_column(laboratory: Laboratory) -> Judged:
             float(theory.mean()),
             (z_mean - 1) / number + layer,
             "barometric profile with Z(eta), at fixed energy; uncertain by the layer at the floor and (<Z> - 1)/N",
-            samples=excess.independent,
+            samples=excess,
             needed=0.02,
         ),
         steady_mean(

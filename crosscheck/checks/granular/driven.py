@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from crosscheck.engines.protocol import Run
 from crosscheck.figure import Figure, Series
 from crosscheck.scene import Floats
-from crosscheck.statistics import Mean, standard_error
+from crosscheck.statistics import Mean, combined, standard_error
 from crosscheck.verdict import Judgement, statistical
 
 #: Stretches of a run, whose means give a profile its standard errors.
@@ -50,7 +50,7 @@ def hard_limit(durations: Sequence[float], means: Sequence[Mean]) -> Mean:
         raise ValueError(f"a limit needs two durations and positive errors, got {durations} and {errors}")
     values = [mean.value for mean in means]
     line, covariance = np.polyfit(durations, values, 1, w=1 / errors, cov="unscaled")
-    return Mean(float(line[1]), float(covariance[1, 1] ** 0.5), min(mean.independent for mean in means))
+    return combined(float(line[1]), float(covariance[1, 1] ** 0.5), means)
 
 
 class Profile(NamedTuple):
@@ -61,8 +61,10 @@ class Profile(NamedTuple):
 
     def means(self, values: Floats) -> list[Mean]:
         """Mean over the blocks, for each bin; values: `share` or `mean`, (blocks, bins)."""
-        errors = standard_error(values)
-        return [Mean(float(v), float(e), len(values)) for v, e in zip(values.mean(axis=0), errors, strict=True)]
+        errors, number = standard_error(values), len(values)
+        return [
+            Mean(float(v), float(e), number, number - 1.0) for v, e in zip(values.mean(axis=0), errors, strict=True)
+        ]
 
 
 def profile(places: ArrayLike, quantity: ArrayLike, edges: ArrayLike, blocks: int = BLOCKS) -> Profile:
@@ -92,8 +94,9 @@ def against(quantity: str, limit: Mean, hard: Mean, needed: float, why: str = _W
     quantity: what both measure, in words. limit: of the soft runs, at t_c = 0. hard: of the event-driven run. needed:
     the relative deviation that must be visible. why: the reason of the tolerance, in words.
     """
-    samples = min(limit.independent, hard.independent)
-    return statistical(quantity, limit.value, limit.error, hard.value, hard.error, why, samples=samples, needed=needed)
+    return statistical(
+        quantity, limit.value, limit.error, hard.value, hard.error, why, samples=(limit, hard), needed=needed
+    )
 
 
 def against_duration(

@@ -53,7 +53,7 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
                 float(expected[i]),
                 1.0 / size**2,
                 f"standard error of {len(settled)} correlated samples; 1/N of fixed mass and momentum",
-                samples=mean.independent,
+                samples=mean,
                 needed=0.02,
             )
         )

@@ -54,7 +54,7 @@ def _against(label: str, values: Floats, expected: float) -> Judgement:
         expected,
         1.0 / SIZE,
         f"standard error of {len(values)} correlated samples; 1/N of fixed momentum over u^2",
-        samples=mean.independent,
+        samples=mean,
     )
 
 

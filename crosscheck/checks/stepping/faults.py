@@ -18,3 +18,20 @@ def gravity_fault(name: str, old: str, new: str, breaks: str) -> Fault:
 def pair_fault(name: str, old: str, new: str, breaks: str) -> Fault:
     """A fault `name` in the kernel of Lennard-Jones pairs: the text `old` becomes `new`; breaks: what that does."""
     return Fault(name, "stepping/kernels/lennard_jones.py", old, new, breaks)
+
+
+#: A thermostat that cools although none is asked for.
+LOSS = scheme_fault(
+    "velocities-lost",
+    "        return r, v_half + 0.5 * dt * a, (a,)\n\n\n@register_jitable\ndef _accelerations_now",
+    "        return r, (1 - 0.03 * dt) * (v_half + 0.5 * dt * a), (a,)\n\n\n@register_jitable\ndef _accelerations_now",
+    "velocities decay at the rate 0.03: the energy falls by half within a run of 16",
+)
+#: The first lists are used for all of a run.
+STALE_LISTS = Fault(
+    "lists-never-rebuilt",
+    "stepping/kernels/neighbours.py",
+    "        if still_close:",
+    "        if still_close or not still_close:",
+    "pairs that were not within reach at the start never interact",
+)

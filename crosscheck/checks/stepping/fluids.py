@@ -10,6 +10,7 @@ from crosscheck.checks.base import Laboratory
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Run
 from crosscheck.scene import Box, Floats, Lattice, LennardJones, Method, Observable, Output, Scene, explicit
+from crosscheck.verdict import Judgement, bounded
 
 OBSERVABLES: tuple[Observable, ...] = ("kinetic_energy", "potential_energy", "virial")
 STEP = Method(scheme="velocity_verlet", dt=0.005)
@@ -132,6 +133,30 @@ def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
         initial=explicit(run["final_positions"], run["final_velocities"]),
         duration=AVERAGE_STEPS * AVERAGE.step,
         output=Output(interval=AVERAGE_EVERY * AVERAGE.step, observables=OBSERVABLES),
+    )
+
+
+def energy_kept(scene: Scene, run: Run, engine: str) -> Judgement:
+    """The energy of `run` stays where it is; scene: that run, of particles of mass 1. engine: that ran it.
+
+    Where the potential is cut off, U jumps by phi(r_c) with each pair that comes or goes, and their number fluctuates
+    less than that of independent pairs would, by its square root (Poisson). The integrator's own oscillation is a tenth
+    of that.
+    """
+    model = scene.lennard_jones
+    volume, kinetic = scene.volume(), float(run["kinetic_energy"].mean())
+    assert model is not None
+    assert volume is not None
+    cutoff = float(model.cutoff)
+    pairs = 0.5 * scene.number * (scene.number / volume) * 4 / 3 * np.pi * cutoff**3
+    jump = 4 * (cutoff**-6 - cutoff**-12)
+    energy = run["kinetic_energy"] + run["potential_energy"]
+    return bounded(
+        f"departure of the energy from its mean, largest, over that of K ({engine})",
+        float(np.abs(energy - energy.mean()).max()) / kinetic,
+        float(5 * np.sqrt(pairs) * jump) / kinetic,
+        "five standard deviations of the number of pairs within the cutoff, times the jump of the potential there",
+        control=True,
     )
 
 
