@@ -18,7 +18,17 @@ from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, 
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
 from crosscheck.scene.observables import FRICTION, Matter, Observable, asked_for
-from crosscheck.scene.parts import INTERACTIONS, Explicit, File, Floats, Kepler, Lattice, Occupations, SceneEntries
+from crosscheck.scene.parts import (
+    INTERACTIONS,
+    Contact,
+    Explicit,
+    File,
+    Floats,
+    Kepler,
+    Lattice,
+    Occupations,
+    SceneEntries,
+)
 from crosscheck.scene.starts import (
     State,
     apocentre,
@@ -256,11 +266,13 @@ class Scene(SceneEntries):
         """
         return wall_rules(self)
 
-    def initial_state(self) -> State:
+    def initial_state(self, contact: Contact | None = None) -> State:
         """The initial state of the particles, the same for every engine.
 
-        UsageError if numbers of masses or species do not fit, if two particles are at the same place (springs: they may
-        be), or if hard spheres overlap or are not inside their walls.
+        contact: of the method, if hard spheres are run as soft ones: these may overlap at the start, as grains at rest
+        on each other do. UsageError if numbers of masses or species do not fit, if two particles are at the same place
+        (springs: they may be), if hard spheres overlap or are not inside their walls, or if soft ones overlap by more
+        than the smaller of their radii.
         """
         lengths = self.lengths()
         n = self.number
@@ -291,7 +303,7 @@ class Scene(SceneEntries):
             raise UsageError("initial.kind = 'file' is read by Scene.load: load the scene from its file")
         state = State(positions, velocities, masses, species, lengths, diameters, spins)
         if self.hard_spheres is not None:
-            check_hard_state(self, self.hard_spheres, state, fixed, self.periods())
+            check_hard_state(self, self.hard_spheres, state, fixed, self.periods(), soft=contact is not None)
         elif self.spring is None:
             refuse_coincidence(positions, lengths, [b == "periodic" for b in self.boundaries])
         return state

@@ -47,7 +47,7 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     _check_step(engine.schemes[method.scheme], method)
     run = engine.run(wanted, method)
     _check_arrays(run, wanted, method)
-    np.savez(request["path"], allow_pickle=False, **_asked_arrays(run, scene))
+    np.savez(request["path"], allow_pickle=False, **_asked_arrays(run, scene, method))
     return {
         "diverged": bool(run.diverged),
         "stopped": str(run.stopped),
@@ -78,10 +78,11 @@ def _without_derived(scene: Scene) -> Scene:
     )
 
 
-def _asked_arrays(run: Run, scene: Scene) -> dict[str, Floats]:
+def _asked_arrays(run: Run, scene: Scene, method: Method) -> dict[str, Floats]:
     """The arrays that the scene asks for, the derived ones computed from the others."""
     asked = scene.asked()
-    masses = scene.initial_state().masses if any(row.derive is not None for row in asked.values()) else np.zeros(0)
+    derived = any(row.derive is not None for row in asked.values())
+    masses = scene.initial_state(method.contact).masses if derived else np.zeros(0)
     return {name: run[name] if row.derive is None else row.derive(masses, run) for name, row in asked.items()}
 
 
