@@ -150,12 +150,18 @@ def _check_hard_output(scene: SceneEntries) -> None:
 
 
 def check_hard_state(
-    scene: SceneEntries, spheres: HardSpheres, state: State, fixed: NDArray[np.bool_], periods: Floats
+    scene: SceneEntries,
+    spheres: HardSpheres,
+    state: State,
+    fixed: NDArray[np.bool_],
+    periods: Floats,
+    soft: bool = False,
 ) -> None:
     """UsageError if particles overlap, are beyond a wall, or are fixed but have a velocity, or if the box is too small.
 
     scene: all entries. spheres: the table [hard_spheres]. state: the initial state. fixed: (N,), particles that never
-    move. periods: sides of the box along periodic axes, 0 along the others, (d,), length.
+    move. periods: sides of the box along periodic axes, 0 along the others, (d,), length. soft: contacts are soft, so
+    that particles may overlap with each other and with walls, by less than the (smaller) radius.
     """
     assert state.diameters is not None
     for name, vectors in (("velocities", state.velocities), ("angular_velocities", state.angular_velocities)):
@@ -171,24 +177,33 @@ def check_hard_state(
                     f"box: its length {period:.6g} along {AXES[axis]}, which is periodic, must exceed two contact "
                     f"ranges, {2 * contact:.6g}: take a larger box"
                 )
-        _refuse_beyond_walls(scene, state, rounding)
-    overlap = find_overlap(state.positions, state.diameters, fixed, periods, rounding)
+        _refuse_beyond_walls(scene, state, rounding, soft)
+    overlap = find_overlap(state.positions, state.diameters, fixed, periods, rounding, soft)
     if overlap is not None:
         lattice = isinstance(scene.initial, Lattice)
+        smaller = float(state.diameters[[overlap.i, overlap.j]].min()) / 2
         raise UsageError(
-            f"particles {overlap.i} and {overlap.j} overlap: their centres are {overlap.distance:.9g} apart, and their "
-            f"contact distance is {overlap.contact:.9g} (gap {overlap.distance - overlap.contact:.3g}): "
+            f"particles {overlap.i} and {overlap.j} overlap{_too_much(soft, smaller)}: their centres are "
+            f"{overlap.distance:.9g} apart, and their contact distance is {overlap.contact:.9g} "
+            f"(gap {overlap.distance - overlap.contact:.3g}): "
             + ("take fewer particles, smaller ones or a larger box" if lattice else "move one of them")
         )
 
 
-def _refuse_beyond_walls(scene: SceneEntries, state: State, rounding: float) -> None:
+def _too_much(soft: bool, radius: float) -> str:
+    """Which overlap soft particles may not have; nothing of hard ones, which may have none."""
+    return f" by more than soft spheres can, their smaller radius {radius:.6g}" if soft else ""
+
+
+def _refuse_beyond_walls(scene: SceneEntries, state: State, rounding: float, soft: bool) -> None:
+    # a soft grain may reach beyond a wall by its radius: its centre is inside
+    reach = 0.0 if soft else 1.0
     assert scene.box is not None
     assert state.lengths is not None
     assert state.diameters is not None
     radii = state.diameters / 2
     strokes = wall_strokes(scene.faces)
-    room = state.lengths - strokes.sum(axis=1) - state.diameters.max()
+    room = state.lengths - strokes.sum(axis=1) - reach * state.diameters.max()
     for axis in np.flatnonzero((room < 0) & strokes.any(axis=1)).tolist():
         raise UsageError(
             f"box.faces: the walls that oscillate along {AXES[axis]} leave no room for the largest particle: "
@@ -200,12 +215,13 @@ def _refuse_beyond_walls(scene: SceneEntries, state: State, rounding: float) -> 
         axis, upper = divmod(index, 2)
         x, length, stroke = state.positions[:, axis], float(state.lengths[axis]), face.oscillation
         wall = 0.0 if stroke is None else stroke.amplitude * math.cos(stroke.phase)
-        gaps = (length - x if upper else x) - wall - radii
+        gaps = (length - x if upper else x) - wall - reach * radii
         i = int(gaps.argmin())
         if gaps[i] < -rounding:
             raise UsageError(
-                f"particle {i} is beyond the wall {AXES[axis]}{'-+'[upper]} by {-gaps[i]:.3g}: its centre must be at "
-                f"least {wall + radii[i]:.6g} from {AXES[axis]} = {length if upper else 0.0:g}; it is at {x[i]:.9g}"
+                f"particle {i} is beyond the wall {AXES[axis]}{'-+'[upper]} by {(1 - reach) * radii[i] - gaps[i]:.3g}"
+                f"{_too_much(soft, radii[i])}: its centre must be at least {wall + reach * radii[i]:.6g} from "
+                f"{AXES[axis]} = {length if upper else 0.0:g}; it is at {x[i]:.9g}"
             )
     if scene.box.cylinder is not None:
         across, radius = list(scene.across), scene.box.cylinder.radius
@@ -215,10 +231,11 @@ def _refuse_beyond_walls(scene: SceneEntries, state: State, rounding: float) -> 
                 f"{2 * radius:g}"
             )
         distances = np.linalg.norm(state.positions[:, across] - state.lengths[across] / 2, axis=1)
-        gaps = radius - distances - radii
+        gaps = radius - distances - reach * radii
         i = int(gaps.argmin())
         if gaps[i] < -rounding:
             raise UsageError(
-                f"particle {i} is beyond the cylinder by {-gaps[i]:.3g}: its centre must be within "
-                f"{radius - radii[i]:.6g} of the axis; it is {distances[i]:.9g} away"
+                f"particle {i} is beyond the cylinder by {(1 - reach) * radii[i] - gaps[i]:.3g}"
+                f"{_too_much(soft, radii[i])}: its centre must be within "
+                f"{radius - reach * radii[i]:.6g} of the axis; it is {distances[i]:.9g} away"
             )

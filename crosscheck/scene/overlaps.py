@@ -51,21 +51,22 @@ def wrapped(positions: Floats, periods: Floats) -> Floats:
 
 
 def find_overlap(
-    positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats, rounding: float
+    positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats, rounding: float, soft: bool = False
 ) -> Overlap | None:
     """A pair of particles nearer than the mean of their diameters by more than `rounding`; None if there is none.
 
     positions: (N, d), length. diameters: (N,), length. fixed: (N,), particles that never move. periods: (d,), length, 0
-    along axes that are not periodic. rounding: length. Two fixed particles, and two of diameter 0, may overlap. The
-    period of an axis must exceed two contact distances.
+    along axes that are not periodic. rounding: length. soft: particles may overlap by less than the smaller of their
+    radii; found is a pair whose distance is not even the larger one. Two fixed particles, and two of diameter 0, may
+    overlap. The period of an axis must exceed two contact distances.
     """
     inside = wrapped(positions, periods)
     classes = _classes(inside, diameters, fixed, periods)
     for one, other in combinations_with_replacement(classes, 2):
         if (one.fixed and other.fixed) or one.largest + other.largest == 0:
             continue
-        i, j, distances = _near(inside, one, other, rounding)
-        gaps = distances - 0.5 * (diameters[i] + diameters[j])
+        i, j, distances = _near(inside, one, other, rounding, soft)
+        gaps = distances - _least_distance(diameters[i], diameters[j], soft)
         if gaps.size and gaps.min() < -rounding:
             worst = int(gaps.argmin())
             first, second = sorted((int(i[worst]), int(j[worst])))
@@ -89,13 +90,19 @@ def _classes(positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], per
     return classes
 
 
-def _near(positions: Floats, one: _Class, other: _Class, rounding: float) -> tuple[Any, Any, Any]:
-    """Pairs i, j that may overlap, and their distances.
+def _least_distance(one: Any, other: Any, soft: bool) -> Any:
+    """The smallest distance that two particles of these diameters may have; it grows with both."""
+    return 0.5 * (np.maximum(one, other) if soft else one + other)
 
-    Nearest neighbours only, if those overlap already or if all contact distances are equal; else all pairs within the
-    largest contact distance.
+
+def _near(positions: Floats, one: _Class, other: _Class, rounding: float, soft: bool) -> tuple[Any, Any, Any]:
+    """Pairs i, j that may be nearer than allowed, and their distances.
+
+    Nearest neighbours only, if those are too near already or if all least distances are equal; else all pairs within
+    the largest of these.
     """
-    least, largest = 0.5 * (one.least + other.least), 0.5 * (one.largest + other.largest)
+    least = float(_least_distance(one.least, other.least, soft))
+    largest = float(_least_distance(one.largest, other.largest, soft))
     # a few first: where many particles lie at the same place, finding the nearest neighbours of all takes long
     for members in (one.members[:: one.members.size // _FEW + 1], one.members):
         i, j, distances = _nearest(positions, members, other, largest, one is other)

@@ -549,31 +549,85 @@ class Output(Part):
 class Contact(Part):
     """Contact law of soft spheres, by which a method with time steps approaches hard ones.
 
-    Spheres that overlap by delta repel each other with F = k delta ("hooke") or k sqrt(R_eff delta) delta ("hertz"),
-    where 1/R_eff = 1/R_i + 1/R_j, and a dashpot that gives the restitution of the scene. Give exactly one of stiffness
-    and duration.
+    Spheres that overlap by delta repel each other with F = s k delta - eta_n v_n, s = 1 ("hooke") or sqrt(R_eff delta)
+    ("hertz"), where 1/R_eff = 1/R_i + 1/R_j, and 1/m_eff = 1/m_i + 1/m_j below; a wall has no curvature, and infinite
+    mass. Give exactly one of stiffness, duration, k_n and E. With `stiffness` or `duration` all else follows from the
+    restitutions and the friction of the scene. With `k_n` or `E` the contact has coefficients of its own, the same for
+    pairs and walls: those of LAMMPS's styles gran/hooke, gran/hooke/history, gran/hertz/history and granular
+    hertz/material with tangential mindlin.
     """
 
     law: Literal["hooke", "hertz"] = "hooke"
     """Elastic force as a function of the overlap."""
     stiffness: Positive | None = None
-    """[mass/time^2; hertz: mass/(length time^2)] The constant k of the law; absent: follows from `duration`."""
+    """[mass/time^2; hertz: mass/(length time^2)] The constant k of the law; absent: another entry gives it."""
     duration: Positive | None = None
     """[time] Of "hooke": the time t_c for which two particles of the smallest mass m touch,
-    t_c^2 = (pi^2 + ln^2 alpha) m/(2 k), with the restitution alpha. Absent: follows from `stiffness`."""
+    t_c^2 = (pi^2 + ln^2 alpha) m/(2 k), with the restitution alpha. Absent: another entry gives the stiffness."""
     friction: Literal["history", "dashpot"] = "history"
     """Tangential force up to Coulomb's limit: a spring that remembers its stretch ("history") or a dashpot."""
     resolution: Positive | None = None
     """[1] Of "hooke": dt/t_c, in place of `method.dt`, which is then the largest step up to this one that divides the
     time between samples. Absent: `method.dt` is given."""
+    k_n: Positive | None = None
+    """[mass/time^2; hertz: mass/(length time^2)] Normal stiffness k, with coefficients of one's own. Absent: another
+    entry gives it."""
+    k_t: Positive | None = None
+    """[as k_n] Stiffness of the tangential spring, F_t = -s k_t xi - eta_t u with its stretch xi and the slip u; beside
+    k_n, where grains have friction with "history". Absent: no friction, "dashpot", or it follows from E and nu."""
+    E: Positive | None = None
+    """[mass/(length time^2)] Young's modulus E of grains and walls, of "hertz" (Hertz and Mindlin): with nu,
+    k_n = 2 E/(3 (1 - nu^2)) and k_t = 2 E/((1 + nu) (2 - nu)). Absent: another entry gives the stiffness."""
+    nu: Annotated[float, Field(gt=-1, le=0.5)] | None = None
+    """[1] Poisson's ratio nu of grains and walls, with E. Absent: E is absent too."""
+    gamma_n: NonNegative | None = None
+    """[1/time; hertz: 1/(length time)] Normal damping, eta_n = s gamma_n m_eff; beside k_n or E. Absent: it follows
+    from the restitutions of the scene."""
+    gamma_t: NonNegative | None = None
+    """[as gamma_n] Tangential damping, eta_t = s gamma_t m_eff; beside gamma_n. Absent: none."""
+    mu: NonNegative | None = None
+    """[1] Coefficient of friction, |F_t| <= mu |F_n|, of all contacts with friction; beside k_n or E. Absent: that of
+    the scene's friction, "sliding"."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        if (self.stiffness is None) == (self.duration is None):
-            raise ValueError("give exactly one of stiffness and duration")
+        given = [name for name in ("stiffness", "duration", "k_n", "E") if getattr(self, name) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            raise ValueError(f"give exactly one of stiffness, duration, k_n and E (with nu); found {found}")
         if self.law == "hertz" and (self.duration is not None or self.resolution is not None):
-            raise ValueError('law = "hertz": contacts last longer the slower the grains: give stiffness, and method.dt')
+            raise ValueError(
+                'law = "hertz": contacts last longer the slower the grains: give stiffness, k_n or E, and method.dt'
+            )
+        own = [name for name in ("k_t", "nu", "gamma_n", "gamma_t", "mu") if getattr(self, name) is not None]
+        if own and given[0] in ("stiffness", "duration"):
+            raise ValueError(
+                f"{given[0]} and {own[0]}: with {given[0]} all else follows from the restitution and the friction of "
+                f"the scene: remove {' and '.join(own)}, or give k_n (hertz: or E and nu) in place of {given[0]}"
+            )
+        self._own_coefficients()
         return self
+
+    def _own_coefficients(self) -> None:
+        """ValueError if coefficients contradict each other."""
+        if (self.E is None) != (self.nu is None):
+            raise ValueError("E and nu go together: give both, or neither")
+        if self.E is not None and self.law != "hertz":
+            raise ValueError('E and nu are moduli of law = "hertz" (Hertz and Mindlin): add it, or give k_n')
+        if self.E is not None and self.k_t is not None:
+            raise ValueError("E and k_t: the tangential stiffness follows from E and nu: remove k_t, or give k_n for E")
+        if self.gamma_t is not None and self.gamma_n is None:
+            raise ValueError("gamma_t needs gamma_n: add it, as gamma_n = 0.0 for no normal damping")
+        if self.friction == "dashpot" and (self.k_t is not None or self.E is not None):
+            raise ValueError(
+                'friction = "dashpot" has no tangential spring: give k_n and gamma_t, without k_t, E and nu; or '
+                'friction = "history"'
+            )
+
+    @property
+    def own(self) -> bool:
+        """Whether the contact has coefficients of its own, and does not follow the scene's restitution alone."""
+        return self.k_n is not None or self.E is not None
 
 
 class Method(Part):

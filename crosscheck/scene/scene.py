@@ -19,7 +19,18 @@ from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, 
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
 from crosscheck.scene.observables import FRICTION, Matter, Observable, asked_for
-from crosscheck.scene.parts import INTERACTIONS, Explicit, File, Floats, Kepler, Lattice, LennardJones, Occupations, SceneEntries
+from crosscheck.scene.parts import (
+    INTERACTIONS,
+    Contact,
+    Explicit,
+    File,
+    Floats,
+    Kepler,
+    Lattice,
+    LennardJones,
+    Occupations,
+    SceneEntries,
+)
 from crosscheck.scene.sizes import refuse_large, refuse_large_start
 from crosscheck.scene.starts import (
     State,
@@ -286,12 +297,13 @@ class Scene(SceneEntries):
         """
         return wall_rules(self)
 
-    def initial_state(self) -> State:
+    def initial_state(self, contact: Contact | None = None) -> State:
         """The initial state of the particles, the same for every engine.
 
-        UsageError if numbers of masses or species do not fit, if two particles are at the same place (springs: they may
-        be), if hard spheres overlap or are not inside their walls, if a number overflows, or if there are more particles
-        than the memory holds.
+        contact: of the method, if hard spheres are run as soft ones: these may overlap at the start, as grains at rest
+        on each other do. UsageError if numbers of masses or species do not fit, if two particles are at the same place
+        (springs: they may be), if hard spheres overlap or are not inside their walls, if soft ones overlap by more than
+        the smaller of their radii, if a number overflows, or if there are more particles than the memory holds.
         """
         refuse_large_start(self)
         lengths = self.lengths()
@@ -324,7 +336,7 @@ class Scene(SceneEntries):
         state = State(positions, velocities, masses, species, lengths, diameters, spins)
         refuse_not_finite(state)
         if self.hard_spheres is not None:
-            check_hard_state(self, self.hard_spheres, state, fixed, self.periods())
+            check_hard_state(self, self.hard_spheres, state, fixed, self.periods(), soft=contact is not None)
         elif self.spring is None:
             refuse_coincidence(positions, lengths, [b == "periodic" for b in self.boundaries])
         return state

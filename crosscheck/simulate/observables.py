@@ -212,6 +212,8 @@ def method_label(method: Method) -> str:
     contact, dt = method.contact, None if method.dt is None else f"{method.dt!r}"
     softness = ""
     if contact is not None:
-        softness = f", k = {contact.stiffness!r}" if contact.duration is None else f", t_c = {contact.duration!r}"
+        names = {"stiffness": "k", "duration": "t_c", "k_n": "k_n", "E": "E"}
+        name = next(name for name in names if getattr(contact, name) is not None)
+        softness = f", {names[name]} = {getattr(contact, name)!r}"
         dt = dt or f"{contact.resolution!r} t_c"
     return method.scheme + (f", dt = {dt}" if dt else "") + softness

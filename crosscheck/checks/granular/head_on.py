@@ -7,6 +7,7 @@ Europhys. Lett. 94, 50004 (2011).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -33,8 +34,10 @@ from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
+from crosscheck.references.hertz_mindlin import Material, normal_modulus
 from crosscheck.references.soft_impact import HertzImpact, HookeImpact, stiffness
 from crosscheck.references.stepped_contact import Errors, impact_bounds
+from crosscheck.scene import Contact
 from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, worst
 
@@ -43,14 +46,38 @@ SPEEDS = (0.5, 1.0, 2.0)
 
 
 class _Setup(NamedTuple):
-    """Law of the overlap, and whether grains hit a wall or each other; name: of the variant, in figures."""
+    """Law of the overlap, and whether grains hit a wall or each other; name: of the variant, in figures.
+
+    own: the contact with coefficients of its own that has a given stiffness k and restitution alpha; None: stiffness
+    and the scene's restitution are what is given. damped: that contact has its damping too.
+    """
 
     name: str
     law: Literal["hooke", "hertz"] = "hooke"
     wall: bool = False
+    own: Callable[[float, float], Contact] | None = None
+    damped: bool = False
 
 
-SETUPS = (_Setup("hooke"), _Setup("hertz", law="hertz"), _Setup("wall", wall=True))
+def _rates(k: float, alpha: float) -> Contact:
+    """k_n and gamma_n of a linear contact: alpha = exp(-gamma_n t_c/2)."""
+    return Contact(k_n=k, gamma_n=-2 * math.log(alpha) / CENTRAL_DURATION)
+
+
+def _moduli(k: float, alpha: float) -> Contact:
+    """E and nu of a contact with the stiffness k = (4/3) E_eff; alpha is the scene's."""
+    softest = Material(1.0, 0.3)
+    return Contact(law="hertz", E=0.75 * k / normal_modulus(softest, softest), nu=softest.poisson)
+
+
+SETUPS = (
+    _Setup("hooke"),
+    _Setup("hertz", law="hertz"),
+    _Setup("wall", wall=True),
+    _Setup("hooke-rates", own=_rates, damped=True),
+    _Setup("hertz-moduli", law="hertz", own=_moduli),
+    _Setup("hertz-moduli-wall", law="hertz", wall=True, own=_moduli),
+)
 
 
 class _HeadOn(NamedTuple):
@@ -60,7 +87,8 @@ class _HeadOn(NamedTuple):
     bounds: Errors
 
 
-def _head_on(laboratory: Laboratory, law: Law, resolution: float, wall: bool) -> _HeadOn:
+def _head_on(laboratory: Laboratory, alpha: float, resolution: float, setup: _Setup) -> _HeadOn:
+    law, wall = Law(alpha, law=setup.law), setup.wall
     speeds = np.repeat(SPEEDS, PHASES)
     phases = np.tile((np.arange(PHASES) + 0.5) / PHASES, len(SPEEDS))
     impacts = make_impacts(
@@ -78,7 +106,10 @@ def _head_on(laboratory: Laboratory, law: Law, resolution: float, wall: bool) ->
     dt = resolution * CENTRAL_DURATION
     # of "hertz", slow contacts last longer
     steps = math.ceil(max(one.contact_time for one in exact) / CENTRAL_DURATION * lasting(resolution))
-    run = laboratory.run(impact_scene(impacts, law, dt, steps, sampled=True), law.method(k, dt))
+    given = law._replace(
+        alpha=1.0 if setup.damped else alpha, own=None if setup.own is None else setup.own(k, law.alpha)
+    )
+    run = laboratory.run(impact_scene(impacts, given, dt, steps, sampled=True), given.method(k, dt))
     velocity, _ = rebound(impacts, *after(impacts, run))
     depth = overlaps(impacts, run)
     times = dt * (depth > 0).sum(axis=0).reshape(len(SPEEDS), PHASES).mean(axis=1)
@@ -102,7 +133,7 @@ def _head_on(laboratory: Laboratory, law: Law, resolution: float, wall: bool) ->
 
 def _judge_head_on(laboratory: Laboratory, setup: _Setup) -> Judged:
     found = {
-        (alpha, resolution): _head_on(laboratory, Law(alpha, law=setup.law), resolution, setup.wall)
+        (alpha, resolution): _head_on(laboratory, alpha, resolution, setup)
         for alpha in ALPHAS
         for resolution in RESOLUTIONS
     }

@@ -174,15 +174,22 @@ def _unit(vectors: Floats) -> Floats:
 class Law(NamedTuple):
     """Of all contacts of a scene: coefficient of restitution `alpha`, friction, and law of the overlap.
 
-    friction: the soft contact with friction; None of smooth grains. law: "hooke", a linear spring, or "hertz".
+    friction: the soft contact with friction; None of smooth grains. law: "hooke", a linear spring, or "hertz". own:
+    coefficients of the contact's own, in place of those that follow from `alpha` and `friction`.
     """
 
     alpha: float
     friction: SoftContact | None = None
     law: Literal["hooke", "hertz"] = "hooke"
+    own: Contact | None = None
 
     def method(self, stiffness: float, dt: float) -> Method:
-        """Velocity Verlet in steps dt (time), with contacts of this law; stiffness: force/length, "hertz": /area."""
+        """Velocity Verlet in steps dt (time), with contacts of this law; stiffness: force/length, "hertz": /area.
+
+        The stiffness is not used where the contact has coefficients of its own.
+        """
+        if self.own is not None:
+            return Method(scheme="velocity_verlet", dt=dt, contact=self.own)
         history = "history" if self.friction is None else self.friction.friction
         return Method(
             scheme="velocity_verlet", dt=dt, contact=Contact(stiffness=stiffness, law=self.law, friction=history)

@@ -62,6 +62,8 @@ class LammpsEngine:
                 box.cylinder.friction.sliding
                 method.contact method.contact.law=hooke method.contact.law=hertz method.contact.stiffness
                 method.contact.duration method.contact.friction=history method.contact.friction=dashpot
+                method.contact.k_n method.contact.k_t method.contact.E method.contact.nu
+                method.contact.gamma_n method.contact.gamma_t method.contact.mu
             """,
             observables="""
                 positions velocities angular_velocities kinetic_energy rotational_energy collisional_virial contact_time

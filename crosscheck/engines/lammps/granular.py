@@ -4,8 +4,14 @@ Pairs of grains of one mass go by the classic styles, which are the fastest: `gr
 `gran/hooke/history`. Their dashpots are m_eff gamma, so gamma = c sqrt(k/m_eff). Unlike masses and "hertz" go by
 `pair_style granular` with `damping coeff_restitution`, which is eta_n = c sqrt(m_eff k) of every pair.
 
+With coefficients of the contact's own, gamma_n and gamma_t are those of the classic styles, `gran/hertz/history` too,
+for any masses. E and nu are `hertz/material` with `tangential mindlin NULL`, and so LAMMPS's own formulas; dampings
+beside them, and of "hertz" with a tangential dashpot, are `viscoelastic`.
+
 Walls are granular ones throughout: the classic `hooke/history` wall of LAMMPS 22Jul2025 multiplies k_t by the radius of
-the contact, and yields NaN without normal damping. At a plane, the tangential springs of both kinds are the same.
+the contact, and yields NaN without normal damping. At a plane, the tangential springs of both kinds are the same. For
+E and nu, walls have the stiffnesses that follow: `hertz/material` of a wall has another mean of the moduli than of a
+pair (https://github.com/lammps/lammps/issues/4141).
 
 The forces are evaluated with the velocities at the half-step: with dashpots or friction the scheme is of order 1.
 
@@ -32,6 +38,9 @@ _MOST_FRICTION = 1e4
 #: Restitution in place of 1 beside a tangential dashpot, which LAMMPS defines as a multiple of the normal one: with 1,
 #: both would be 0.
 _NEARLY_ELASTIC = math.nextafter(1.0, 0.0)
+#: Share of the normal damping in the tangential one where the former is 0, since LAMMPS has a multiple of it: a power
+#: of two, so that the product is exact.
+_NEARLY_UNDAMPED = 2.0**-60
 #: Skin of the neighbour list in largest diameters: among the fastest of 0.03 to 0.5, for steps of t_c/50 and t_c/5.
 _SKIN = 0.1
 #: I/(m R^2) in LAMMPS's rotational energy, whatever `fix nve/sphere` integrates.
@@ -66,11 +75,11 @@ def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
     contact = method.contact
     assert contact is not None
     laws = soft_spheres.soft_spheres(scene, contact)
-    grains = _Grains(lmp, scene, scene.initial_state())
+    grains = _Grains(lmp, scene, scene.initial_state(contact))
     _, every = strides(scene, method)
     lmp.commands_list(
         [
-            *_pairs(scene, laws.pair, contact, grains.state),
+            *_pairs(scene, laws, contact, grains.state),
             *_motion(scene),
             *_walls(scene, laws, method),
             *(["fix plane all enforce2d"] if scene.dimension == 2 else []),
@@ -79,6 +88,7 @@ def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
     )
     run, good = advance(lmp, grains, scene, method)
     _read(lammps, lmp, scene, run, good, method.step, every)
+    run.remarks = tuple(soft_spheres.remarks(scene, method, grains.state.velocities))
     return run
 
 
@@ -128,15 +138,16 @@ def _amplitude(face: Face) -> float:
     return 0.0 if face.oscillation is None else face.oscillation.amplitude
 
 
-def _pairs(scene: Scene, law: ContactLaw, contact: Contact, state: State) -> Iterator[str]:
+def _pairs(scene: Scene, laws: SoftSpheres, contact: Contact, state: State) -> Iterator[str]:
     """Commands for the contacts of pairs."""
     assert scene.hard_spheres is not None
-    mass = float(state.masses[0])
-    if contact.law == "hertz" or (state.masses != mass).any():
+    law = laws.pair
+    springs = bool(law.tangential_stiffness and law.friction)
+    if laws.granular or (contact.law == "hertz" and not springs):
         yield "pair_style granular"
-        yield f"pair_coeff * * {_granular(law, contact, scene.hard_spheres.restitution)}"
+        yield f"pair_coeff * * {_granular(law, contact, scene.hard_spheres.restitution, pairs=True)}"
         return
-    rate = math.sqrt(law.stiffness / (mass / 2))
+    rate = 1.0 if laws.by_mass else math.sqrt(law.stiffness / (float(state.masses[0]) / 2))
     numbers = (
         law.stiffness,
         law.tangential_stiffness,
@@ -144,22 +155,34 @@ def _pairs(scene: Scene, law: ContactLaw, contact: Contact, state: State) -> Ite
         law.tangential_damping * rate,
         min(law.friction, _MOST_FRICTION),
     )
-    style = "gran/hooke/history" if law.tangential_stiffness and law.friction else "gran/hooke"
+    style = f"gran/{contact.law}/history" if springs else "gran/hooke"
     yield f"pair_style {style} {' '.join(repr(float(number)) for number in numbers)} 1"
     yield "pair_coeff * *"
 
 
-def _granular(law: ContactLaw, contact: Contact, restitution: float) -> str:
-    """Arguments of `pair_style granular` and `fix wall/gran granular` for the law."""
+def _granular(law: ContactLaw, contact: Contact, restitution: float, pairs: bool = False) -> str:
+    """Arguments of `pair_style granular` (pairs) and `fix wall/gran granular` for the law."""
     limit, damping = min(law.friction, _MOST_FRICTION), law.damping
-    if law.tangential_damping and not damping:
-        restitution, damping = _NEARLY_ELASTIC, -2 * math.log(_NEARLY_ELASTIC) / math.pi
+    if contact.gamma_n is not None:
+        kind = "mass_velocity" if contact.law == "hooke" else "viscoelastic"
+        damping = damping or law.tangential_damping * _NEARLY_UNDAMPED
+        coefficient = damping
+    else:
+        kind = "coeff_restitution"
+        if law.tangential_damping and not damping:
+            restitution, damping = _NEARLY_ELASTIC, -2 * math.log(_NEARLY_ELASTIC) / math.pi
+        coefficient = restitution
     share = law.tangential_damping / damping if law.tangential_damping else 0.0
+    material = pairs and contact.E is not None
     if law.tangential_stiffness and law.friction:
-        tangential = f"linear_history {law.tangential_stiffness!r} {share!r} {limit!r}"
+        spring = "linear_history" if contact.law == "hooke" else "mindlin"
+        tangential = f"{spring} {'NULL' if material else repr(law.tangential_stiffness)} {share!r} {limit!r}"
     else:
         tangential = f"linear_nohistory {share!r} {limit!r}"
-    return f"{contact.law} {law.stiffness!r} {restitution!r} damping coeff_restitution tangential {tangential}"
+    normal = f"{contact.law} {law.stiffness!r} {coefficient!r}"
+    if material:
+        normal = f"hertz/material {contact.E!r} {coefficient!r} {contact.nu!r}"
+    return f"{normal} damping {kind} tangential {tangential}"
 
 
 def _motion(scene: Scene) -> Iterator[str]:

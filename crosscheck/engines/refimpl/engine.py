@@ -50,6 +50,8 @@ _EVENTS = f"""{_SPHERES}
 _CONTACTS = """
     method.contact method.contact.law=hooke method.contact.law=hertz method.contact.stiffness method.contact.duration
     method.contact.friction=history method.contact.friction=dashpot
+    method.contact.k_n method.contact.k_t method.contact.E method.contact.nu
+    method.contact.gamma_n method.contact.gamma_t method.contact.mu
 """
 _GASES = """
     dimension=2 lattice_gas.obstacles lattice_gas.obstacles.columns lattice_gas.obstacles.rows

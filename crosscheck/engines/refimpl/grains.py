@@ -8,7 +8,7 @@ import numpy as np
 
 from crosscheck.engines.protocol import Cost, Run, face_names, sample_times
 from crosscheck.engines.refimpl.stepping import integrated
-from crosscheck.engines.soft_spheres import ContactLaw, inertia_ratio, soft_spheres
+from crosscheck.engines.soft_spheres import ContactLaw, inertia_ratio, remarks, soft_spheres
 from crosscheck.scene import AXES, Floats, Method, Scene, State
 from refimpl.stepping.forces import grains as soft
 from refimpl.stepping.integrate import Integration
@@ -20,7 +20,7 @@ def run_grains(scene: Scene, method: Method) -> Run:
     scene: accepted by `soft_spheres.unsupported`. method: its contact and dt are used. UsageError if dt does not divide
     duration and interval.
     """
-    state, output = scene.initial_state(), scene.output
+    state, output = scene.initial_state(method.contact), scene.output
     force = soft_grains(scene, state, method)
     r, v = soft.coordinates(force, state.positions, state.velocities, state.angular_velocities)
     keep_states = output.trajectory or "rotational_energy" in output.observables
@@ -34,7 +34,9 @@ def run_grains(scene: Scene, method: Method) -> Run:
         thermo=bool({"kinetic_energy", "potential_energy"} & set(output.observables)),
         last=None if keep_states else force.auxiliary,
     )
-    return _run(scene, force, sample_times(scene, method), done, cost)
+    run = _run(scene, force, sample_times(scene, method), done, cost)
+    run.remarks = tuple(remarks(scene, method, state.velocities))
+    return run
 
 
 def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
@@ -67,9 +69,9 @@ def soft_grains(scene: Scene, state: State, method: Method) -> soft.Grains:
         walls=walls,
         cylinder=_cylinder(scene, state, laws.cylinder),
         hertz=contact.law == "hertz",
+        damping="mass" if laws.by_mass else "restitution",
         history=contact.friction == "history",
-        # as in LAMMPS, whose styles for one mass and for several take different lever arms of the torques
-        granular=bool((state.masses != state.masses[0]).any()),
+        granular=laws.granular,
         tallies=bool(
             {"collisional_virial", "contact_time", "wall_impulse", "wall_torque"} & {*scene.output.observables}
         ),

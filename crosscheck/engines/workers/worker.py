@@ -47,7 +47,7 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     _check_step(engine.schemes[method.scheme], method)
     given, rest = border.outcome(engine.run(wanted, method))
     arrays = border.arrays(given, wanted, method, diverged=rest["diverged"], stopped=rest["stopped"])
-    np.savez(request["path"], allow_pickle=False, **_asked_arrays(arrays, scene))
+    np.savez(request["path"], allow_pickle=False, **_asked_arrays(arrays, scene, method))
     return rest
 
 
@@ -73,10 +73,11 @@ def _without_derived(scene: Scene) -> Scene:
     )
 
 
-def _asked_arrays(run: Mapping[str, Floats], scene: Scene) -> dict[str, Floats]:
+def _asked_arrays(run: Mapping[str, Floats], scene: Scene, method: Method) -> dict[str, Floats]:
     """The arrays that the scene asks for, the derived ones computed from the others."""
     asked = scene.asked()
-    masses = scene.initial_state().masses if any(row.derive is not None for row in asked.values()) else np.zeros(0)
+    derived = any(row.derive is not None for row in asked.values())
+    masses = scene.initial_state(method.contact).masses if derived else np.zeros(0)
     return {name: run[name] if row.derive is None else row.derive(masses, run) for name, row in asked.items()}
 
 

@@ -292,8 +292,8 @@ def test_what_is_taken(scene: Scene, method: Method) -> None:
 @pytest.mark.parametrize(
     ("entries", "message"),
     [
-        ({}, "exactly one of stiffness and duration"),
-        ({"stiffness": 1.0, "duration": 1.0}, "exactly one of stiffness and duration"),
+        ({}, "exactly one of stiffness, duration, k_n and E"),
+        ({"stiffness": 1.0, "duration": 1.0}, "exactly one of stiffness, duration, k_n and E"),
         ({"duration": 1.0, "law": "hertz"}, "give stiffness, and method.dt"),
         ({"stiffness": 1.0, "law": "hertz", "resolution": 0.1}, "give stiffness, and method.dt"),
         ({"stiffness": 0.0}, "greater than 0"),
