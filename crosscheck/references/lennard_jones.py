@@ -8,6 +8,7 @@ Liquids (1987), section 2.8, for the corrections.
 
 from __future__ import annotations
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -33,34 +34,23 @@ class PairSum(NamedTuple):
 
 
 def pair_sum(scene: Scene) -> PairSum:
-    """The scene's initial configuration, pair by pair from scipy's k-d tree: no code in common with `refimpl`.
+    """The scene's initial configuration, pair by pair from scipy's k-d trees: no code in common with `refimpl`.
 
     scene: of [lennard_jones], whose units the result has. Derivation: the sum over pairs as it is defined, with Lorentz
-    and Berthelot's rules for mixtures (Allen and Tildesley 1987).
+    and Berthelot's rules for mixtures (Allen and Tildesley 1987): each particle with all images within the cutoff of
+    all others, and with its own images; half of phi and of r . f belongs to each of the two partners.
     """
-    from scipy.spatial import cKDTree
-
     lj, state = scene.lennard_jones, scene.initial_state()
     assert lj is not None
-    x, d = state.positions, scene.dimension
-    periodic = np.array([boundary == "periodic" for boundary in scene.boundaries])
-    # the tree takes a side of 0 for an axis that is not periodic
-    box = np.zeros(d) if state.lengths is None else np.where(periodic, state.lengths, 0.0)
-    wrapped = x.copy()
-    wrapped[:, periodic] %= box[periodic]
-    wrapped[:, periodic] *= wrapped[:, periodic] < box[periodic]
-    pairs = cKDTree(wrapped, boxsize=box).query_pairs(lj.cutoff, output_type="ndarray")
-    i, j = pairs.T
-    difference = x[i] - x[j]
-    if state.lengths is not None:
-        shift = np.where(periodic, np.round(difference / state.lengths), 0.0)
-        difference = difference - shift * state.lengths
+    x, d, number = state.positions, scene.dimension, scene.number
+    i, j, difference = _directed_pairs(x, scene.periods(), lj.cutoff)
     r = np.sqrt((difference**2).sum(axis=1))
 
     epsilons, sigmas = np.atleast_1d(lj.epsilon), np.atleast_1d(lj.length)
     if lj.length_form == "r_m":
         sigmas = sigmas / 2 ** (1 / 6)
-    kind: Floats = np.zeros(scene.number, dtype=int) if state.species is None else state.species
+    kind: Floats = np.zeros(number, dtype=int) if state.species is None else state.species
+    epsilons, sigmas = (np.full(kind.max() + 1, of[0]) if of.size == 1 else of for of in (epsilons, sigmas))
     epsilon = np.sqrt(epsilons[kind[i]] * epsilons[kind[j]])
     sigma = 0.5 * (sigmas[kind[i]] + sigmas[kind[j]])
 
@@ -72,13 +62,9 @@ def pair_sum(scene: Scene) -> PairSum:
         energy = energy - at_cutoff - (r - lj.cutoff) * slope_at_cutoff
         slope = slope - slope_at_cutoff
     vectors = (-slope / r)[:, None] * difference
-    forces = np.zeros_like(x)
-    for axis in range(d):
-        forces[:, axis] = np.bincount(i, vectors[:, axis], scene.number) - np.bincount(
-            j, vectors[:, axis], scene.number
-        )
-    scale: Floats = np.bincount(i, abs(slope), scene.number) + np.bincount(j, abs(slope), scene.number)
-    total, wall_scale = float(energy.sum()), 0.0
+    forces = np.stack([np.bincount(i, vectors[:, axis], number) for axis in range(d)], axis=1)
+    scale: Floats = np.bincount(i, abs(slope), number)
+    total, wall_scale = 0.5 * float(energy.sum()), 0.0
     if scene.box is not None and scene.box.wall is not None:
         wall_energy, wall_forces = _walls(scene, x)
         forces += wall_forces
@@ -88,13 +74,37 @@ def pair_sum(scene: Scene) -> PairSum:
     return PairSum(
         forces,
         total,
-        float(-(slope * r).sum()),
+        -0.5 * float((slope * r).sum()),
         scale,
-        float(abs(energy).sum()) + wall_scale,
-        float(abs(slope * r).sum()),
+        0.5 * float(abs(energy).sum()) + wall_scale,
+        0.5 * float(abs(slope * r).sum()),
         # f ~ r^-13, and a coordinate difference is rounded like the coordinates
         14 * float(largest / r.min(initial=lj.cutoff)),
     )
+
+
+def _directed_pairs(x: Floats, periods: Floats, cutoff: float) -> tuple[Floats, Floats, Floats]:
+    """Particles i, images of particles j nearer than the cutoff, and the vectors from the images to the particles.
+
+    x: (N, d), length. periods: (d,), length, 0 along axes that are not periodic. Each pair is found from both sides.
+    """
+    from scipy.spatial import cKDTree
+
+    around = periods > 0
+    wrapped = x.copy()
+    wrapped[:, around] %= periods[around]
+    shells = np.zeros(periods.size, dtype=int)
+    shells[around] = np.ceil(cutoff / periods[around])
+    boxes = np.array(list(product(*(range(-n, n + 1) for n in shells)))) * periods
+    images = (wrapped + boxes[:, None]).reshape(-1, periods.size)
+    near = ((images >= -cutoff) & (images <= periods + cutoff) | ~around).all(axis=1)
+    places = np.flatnonzero(near)
+    found = cKDTree(wrapped).sparse_distance_matrix(cKDTree(images[places]), cutoff, output_type="ndarray")
+    i, images_j = found["i"], places[found["j"]]
+    itself = len(x) * (len(boxes) // 2)  # the middle one of the boxes is that of the particles
+    apart = images_j != itself + i
+    i, images_j = i[apart], images_j[apart]
+    return i, images_j % len(x), wrapped[i] - images[images_j]
 
 
 def _potential(r: Floats, epsilon: Floats, sigma: Floats) -> tuple[Floats, Floats]:

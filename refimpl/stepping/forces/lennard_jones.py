@@ -19,6 +19,7 @@ D. J. Tildesley, Computer Simulation of Liquids (1987), sections 1.3, 2.8 and 5.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -119,7 +120,7 @@ def _finite(name: str, value: Any, *, positive: bool = True) -> np.ndarray:
 
 
 def _box(
-    dimension: int, lengths: Sequence[float] | None, periodic: Sequence[bool], cutoff: float, walls: Walls | None
+    dimension: int, lengths: Sequence[float] | None, periodic: Sequence[bool], walls: Walls | None
 ) -> tuple[float, ...]:
     """Box sides; ValueError unless they suit the boundary conditions."""
     if len(periodic) != dimension:
@@ -130,13 +131,7 @@ def _box(
         return (0.0,) * dimension
     if len(lengths) != dimension:
         raise ValueError(f"lengths must hold {dimension} box sides, one per axis, got {lengths}")
-    sides = tuple(float(length) for length in _finite("lengths", lengths))
-    shortest = min((side for side, around in zip(sides, periodic, strict=True) if around), default=np.inf)
-    if cutoff > shortest / 2:
-        raise ValueError(
-            f"cutoff {cutoff} exceeds half the shortest periodic side, {shortest / 2}: shorten it or enlarge the box"
-        )
-    return sides
+    return tuple(float(length) for length in _finite("lengths", lengths))
 
 
 def lennard_jones(
@@ -164,8 +159,11 @@ def lennard_jones(
     periodic; without, such an axis is open. skin: of the Verlet lists, by default SKIN times the largest sigma: it
     changes the speed only.
 
+    A periodic side may be shorter than two cutoffs, or than one: then a particle meets all images of the others within
+    the cutoff, and its own, each pair of images with half of its energy in the box.
+
     Units: any consistent set, with lengths, cutoff and skin in the unit of sigma. Raises ValueError for any argument
-    out of its range, and for a cutoff above half of a periodic side.
+    out of its range, and for a periodic side so short that the images are too many to be listed.
     """
     if dimension not in (2, 3):
         raise ValueError(f"dimension must be 2 or 3, got {dimension}")
@@ -204,10 +202,11 @@ def lennard_jones(
         if all(periodic):
             raise ValueError("walls stand on axes that are not periodic, but all are: leave them out")
         walls = Walls(*(float(value) for value in walls))
-    box = _box(dimension, lengths, periodic, cutoff, walls)
+    box = _box(dimension, lengths, periodic, walls)
     sides = [side if around else 0.0 for side, around in zip(box, periodic, strict=True)]
     if skin is None:
-        skin = min([SKIN * float(sizes.max())] + [side - cutoff for side in sides if side > 0])
+        # no more images than a box of two cutoffs or more has: one shell; shorter boxes have as many as they need
+        skin = min([SKIN * float(sizes.max())] + [side - cutoff for side in sides if side >= 2 * cutoff])
     lists = neighbours(number, sides, cutoff, float(_finite("skin", skin, positive=False)))
     one_mass = float(masses.flat[0]) if bool((masses == masses.flat[0]).all()) else None
     mixture = kinds > 1
@@ -263,41 +262,45 @@ def _parameters(force: LennardJones) -> tuple[np.ndarray, np.ndarray]:
 
 
 def plain_forces(force: LennardJones, r: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Forces (N*d,), potential energy and virial at the coordinates `r`, (N*d,): every pair, minimum image.
+    """Forces (N*d,), potential energy and virial at the coordinates `r`, (N*d,): every pair, all images.
 
-    force: the system. The virial W = sum over pairs of r_ij . F_ij counts pairs only, not walls. O(N^2) time, O(N)
+    force: the system. A pair is that of a particle and one image of another one or of itself, with half of phi and of
+    r . F a particle. The virial W = sum over pairs of r_ij . F_ij counts pairs only, not walls. O(N^2) time, O(N)
     memory; the lists are not used.
     """
     dimension = len(force.lengths)
     x = np.asarray(r, dtype=np.float64).reshape(-1, dimension)
-    sides = np.array([side if side > 0 else np.inf for side in force.neighbours.sides])
+    sides = np.array(force.neighbours.sides)
     epsilon, sigma = _parameters(force)
     forces = np.zeros_like(x)
     energy = 0.0
     work = 0.0
-    for i in range(len(x) - 1):
-        d = x[i] - x[i + 1 :]
-        d -= np.where(np.isfinite(sides), sides, 0.0) * np.rint(d / sides)
-        distance = np.sqrt((d**2).sum(axis=1))
-        near = np.flatnonzero(distance < force.cutoff)
-        d, distance, j = d[near], distance[near], near + i + 1
-        eps = np.sqrt(epsilon[i] * epsilon[j])
-        sig = 0.5 * (sigma[i] + sigma[j])
-        phi = pair_energy(distance, eps, sig)
-        slope = pair_slope(distance, eps, sig)
-        if force.shift_energy:
-            phi -= pair_energy(force.cutoff, eps, sig)
-        if force.shift_force:
-            slope_at_cutoff = pair_slope(force.cutoff, eps, sig)
-            phi -= (distance - force.cutoff) * slope_at_cutoff
-            slope -= slope_at_cutoff
-        pair_forces = -(slope / distance)[:, None] * d
-        forces[i] += pair_forces.sum(axis=0)
-        forces[j] -= pair_forces
-        energy += phi.sum()
-        work -= (slope * distance).sum()
+    # the nearest image is within half a side; further ones that may be within the cutoff, by their numbers of sides
+    shells = [int(np.ceil(force.cutoff / side - 0.5)) if side > 0 else 0 for side in sides]
+    boxes = np.array(list(product(*(range(-shell, shell + 1) for shell in shells))))
+    for i in range(len(x)):
+        nearest = x[i] - x
+        nearest -= sides * np.rint(np.divide(nearest, sides, out=np.zeros_like(nearest), where=sides > 0))
+        for box in boxes:
+            d = nearest + box * sides
+            distance = np.sqrt((d**2).sum(axis=1))
+            j = np.flatnonzero((distance < force.cutoff) & ((np.arange(len(x)) != i) | box.any()))
+            d, distance = d[j], distance[j]
+            eps = np.sqrt(epsilon[i] * epsilon[j])
+            sig = 0.5 * (sigma[i] + sigma[j])
+            phi = pair_energy(distance, eps, sig)
+            slope = pair_slope(distance, eps, sig)
+            if force.shift_energy:
+                phi -= pair_energy(force.cutoff, eps, sig)
+            if force.shift_force:
+                slope_at_cutoff = pair_slope(force.cutoff, eps, sig)
+                phi -= (distance - force.cutoff) * slope_at_cutoff
+                slope -= slope_at_cutoff
+            forces[i] -= ((slope / distance)[:, None] * d).sum(axis=0)
+            energy += 0.5 * phi.sum()
+            work -= 0.5 * (slope * distance).sum()
     if force.walls is not None:
-        for k in np.flatnonzero(np.isinf(sides)):
+        for k in np.flatnonzero(sides == 0):
             for distance, sign in ((x[:, k], 1), (force.lengths[k] - x[:, k], -1)):
                 near = np.flatnonzero(distance < force.walls.cutoff)
                 phi = pair_energy(distance[near], force.walls.epsilon, force.walls.sigma)

@@ -4,7 +4,7 @@ The readable form stands beside this folder, in the module of the force; tests c
 
 | kernel | readable form |
 |---|---|
-| `lennard_jones`, `neighbours` | `forces.lennard_jones.plain_forces`: all pairs, minimum image |
+| `lennard_jones`, `neighbours` | `forces.lennard_jones.plain_forces`: all pairs, all images |
 | `gravity` | `forces.gravity.plain_acceleration` |
 | `contacts` | the equations of `forces.grains` |
 | `simd`, `compiled` | none: vectors of eight doubles as a type; how kernels are compiled |

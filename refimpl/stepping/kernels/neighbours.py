@@ -10,8 +10,14 @@ Particles are sorted along a snaking path through columns of cells; the place of
 *slot*. Eight consecutive slots form a *tile*: a compact group that shares one list of neighbours, the union of the
 lists of its members, so that a force kernel takes one neighbour against eight particles at a time in the lanes of a
 vector (cluster lists, Pall & Hess 2013). The list is full: each pair is found from both of its sides, and no force is
-scattered. Images of the columns next to a periodic face follow the particles as further slots, at positions shifted by
-the box side, so that no force kernel needs boundary conditions. Cells cost O(N) (Yao, Wang, Liu & Cheng 2004).
+scattered. Images of the columns within the list radius of a periodic face follow the particles as further slots, at
+positions shifted by multiples of the box side, so that no force kernel needs boundary conditions. A side may be shorter
+than the list radius: then a column has images in several shells, and a particle is a neighbour of its own images. Cells
+cost O(N) (Yao, Wang, Liu & Cheng 2004).
+
+A particle is lost, and the lists say DIVERGED, where a coordinate is not finite or beyond LOST, or where it has moved
+by more than FAR list radii from one update to the next: no time step resolves that. How far from the origin it is does
+not matter: what is lost there is the precision of the coordinates that the lists are given, and no more.
 
 Literature: L. Verlet, Phys. Rev. 159, 98 (1967); M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids
 (1987), sections 5.3.1-5.3.2; Z. Yao, J.-S. Wang, G.-R. Liu and M. Cheng, Comput. Phys. Commun. 161, 27 (2004);
@@ -43,12 +49,20 @@ ENTRIES = 6  # wide list entries in use, or those needed by the first tile that 
 
 #: Permitted displacements shrink by this factor, and list radii grow by it: rounding must not hide a pair.
 SAFE = 1 - 1e-9
-#: Coordinates further than this many list radii from the origin count as diverged: nearer, rounding is safe by SAFE.
+#: A particle that moves by more than this many list radii between two updates is lost.
 FAR = 1e6
+#: A coordinate beyond this, in whatever unit, is lost: volumes, which are cubes of coordinates, would overflow.
+LOST = 1e100
+#: Wrapped coordinates are at most this share of the box side outside it, by rounding.
+OUTSIDE = 1e-6
+#: Bound on the rounding of a coordinate, of its place among the cells and of its images, over the largest coordinate.
+ROUNDING = 8 * 2.0**-52
 #: Position of the slots that fill up the last tile: beyond any cutoff, and its square is still finite.
 FILLER_POSITION = 1e150
 #: Skin of the close lists over that of the wide ones.
 CLOSE = 0.25
+#: Largest number of entries of the lists in boxes that are shorter than the list radius: two gigabytes.
+MOST_ENTRIES = 2**28
 #: Cells along the last axis per column width: fine, as they need not hold a tile.
 FINE = 7
 
@@ -90,13 +104,15 @@ class Neighbours(NamedTuple):
 
 class _Axis(NamedTuple):
     """Cells along one axis: their number, the lower end of the first, size, 1/size; and how many have images beyond
-    either end."""
+    either end, in how many shells of boxes; and a bound on the rounding of places."""
 
     cells: int
     low: float
     width: float
     inverse: float
     around: int
+    shells: int
+    rounding: float
 
 
 class _Grid(NamedTuple):
@@ -111,8 +127,8 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
     """Empty lists for `number` particles; the first `update` fills them.
 
     sides: box side of each periodic axis, 0 for an open one; cutoff, skin: lengths in the same unit.
-    Raises ValueError unless number >= 1, there are 2 or 3 sides, cutoff > 0, skin >= 0 and the periodic sides are
-    at least cutoff + skin.
+    Raises ValueError unless number >= 1, there are 2 or 3 sides, cutoff > 0, skin >= 0, the sides are finite, and the
+    lists of a box shorter than the list radius have at most MOST_ENTRIES entries.
     """
     dimension = len(sides)
     if number < 1:
@@ -124,20 +140,24 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
     if not (np.isfinite(skin) and skin >= 0):
         raise ValueError(f"skin must be non-negative and finite, got {skin}")
     reach = float(cutoff + skin)
-    if any(not (side == 0 or (np.isfinite(side) and side >= reach)) for side in sides):
-        raise ValueError(
-            f"periodic box sides must be at least cutoff + skin = {reach}, got {tuple(sides)}: reduce the skin"
-        )
+    if not all(0 <= side < LOST for side in (*sides, reach)):
+        raise ValueError(f"box sides and cutoff + skin must lie below {LOST:g}, got {tuple(sides)} and {reach}")
     tiles = -(-number // WIDTH)
     # An estimate for a uniform fluid; where particles cluster, `enlarge_neighbours` enlarges the arrays.
     span = [side if side > 0 else number ** (1 / dimension) * cutoff / 2 for side in sides]
     density = number / prod(span)
     width = (WIDTH / density) ** (1 / dimension)
     grown = prod(side + 2 * (reach + width) if side > 0 else length for side, length in zip(sides, span, strict=True))
-    images = int(1.2 * (grown * density - number)) + 64 if any(sides) else 0
+    images = 1.2 * (grown * density - number) + 64 if any(sides) else 0.0
     around = (width + 2 * reach) ** dimension if dimension == 2 else 0.85 * (width + 2 * reach) ** dimension
-    entries = int(tiles * min(number + images, 1.2 * density * around + 32))
+    entries = tiles * min(number + images, 1.2 * density * around + 32)
+    if entries > MOST_ENTRIES and any(0 < side < reach for side in sides):
+        raise ValueError(
+            f"a box of sides {tuple(sides)} has {images:.1e} images of particles within cutoff + skin = {reach:g}, "
+            f"whose lists need {entries:.1e} entries, the limit is {MOST_ENTRIES:.1e}: shorten the cutoff"
+        )
     columns = prod(ceil(length / width) + 2 * ceil(reach / width) + 2 for length in span[:-1])
+    blocks = (2 * _shells(reach, sides[-1]) + 1) * columns
     return Neighbours(
         sides=tuple(float(side) for side in sides),
         cutoff=float(cutoff),
@@ -146,16 +166,16 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
         offset=np.zeros(number * dimension),
         built=np.zeros(number * dimension),
         pruned=np.zeros(number * dimension),
-        packed=np.zeros((tiles * WIDTH + images) * _record(dimension)),
+        packed=np.zeros((tiles * WIDTH + int(images)) * _record(dimension)),
         tiles=np.zeros(tiles * WIDTH * dimension),
         first=np.zeros(tiles + 1, dtype=np.int64),
-        entries=np.zeros(entries, dtype=np.uint32),
+        entries=np.zeros(int(entries), dtype=np.uint32),
         wide_first=np.zeros(tiles + 1, dtype=np.int64),
-        wide_entries=np.zeros(entries, dtype=np.uint32),
+        wide_entries=np.zeros(int(entries), dtype=np.uint32),
         start=np.zeros(number + 65, dtype=np.int64),
-        image_offset=np.zeros(3 * columns, dtype=np.int64),
-        blocks=np.zeros(2 * 3 * columns, dtype=np.int64),
-        block_shift=np.zeros(3 * 3 * columns),
+        image_offset=np.zeros(blocks, dtype=np.int64),
+        blocks=np.zeros(2 * blocks, dtype=np.int64),
+        block_shift=np.zeros(3 * blocks),
         bookkeeping=np.zeros(7, dtype=np.int64),
     )
 
@@ -182,6 +202,12 @@ def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
 
 
 @register_jitable
+def _shells(reach: float, side: float) -> int:
+    """Shells of boxes along an axis that hold images within `reach`; 1 without a period, where they are empty."""
+    return max(1, int(np.ceil(reach / side))) if side > 0 else 1
+
+
+@register_jitable
 def _record(dimension: int) -> int:
     """Doubles per slot in `packed`."""
     return 4 if dimension == 3 else 2
@@ -191,8 +217,8 @@ def _record(dimension: int) -> int:
 def update(neighbours: Neighbours, r: np.ndarray) -> int:
     """Moves the slots to the coordinates `r`, shape (N*d,); rebuilds the lists if they might miss a pair.
 
-    Returns GOOD; NEEDS_CAPACITY, when `enlarge_neighbours` has to be called first; or DIVERGED, when a coordinate is
-    not finite or further than FAR list radii from the origin. Raises ValueError if r has another number of particles.
+    Returns GOOD; NEEDS_CAPACITY, when `enlarge_neighbours` has to be called first; or DIVERGED, when a particle is lost
+    (see the module). Raises ValueError if r has another number of particles.
     """
     if r.size != neighbours.built.size:
         raise ValueError("r must hold number * dimension coordinates")
@@ -206,7 +232,10 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
         if _moved_less(neighbours, 0.5 * (1 - CLOSE) * neighbours.skin):
             _prune(neighbours)
             return GOOD
-    bookkeeping[VALID] = 0
+        bookkeeping[VALID] = 0
+        if not _moved_less(neighbours, FAR * (neighbours.cutoff + neighbours.skin)):
+            bookkeeping[STATUS] = DIVERGED
+            return DIVERGED
     bookkeeping[STATUS] = _build(neighbours, r)
     if bookkeeping[STATUS] == GOOD:
         bookkeeping[VALID] = 1
@@ -264,6 +293,15 @@ def _distance2(packed, sides, j, xi, yi, zi):  # type: ignore[no-untyped-def]
     return r2
 
 
+@inline_internal
+def _list_radius(neighbours: Neighbours, radius: float) -> float:
+    """The radius that a list needs so that rounding hides no pair: of displacements, and of the shifts of images."""
+    farthest = 0.0
+    for side in neighbours.sides:
+        farthest = max(farthest, side)
+    return radius / SAFE + ROUNDING * (farthest + radius)
+
+
 @internal
 def _prune(neighbours: Neighbours) -> None:
     """Close lists: the entries of the wide ones that are within cutoff + CLOSE * skin of a member of the tile."""
@@ -272,7 +310,7 @@ def _prune(neighbours: Neighbours) -> None:
     wide_first, wide_entries = neighbours.wide_first, neighbours.wide_entries
     dimension = len(neighbours.sides)
     record = _record(dimension)
-    reach2 = splat(((neighbours.cutoff + CLOSE * neighbours.skin) / SAFE) ** 2)
+    reach2 = splat(_list_radius(neighbours, neighbours.cutoff + CLOSE * neighbours.skin) ** 2)
     for slot in range(len(neighbours.order)):
         for k in range(dimension):
             pruned[slot * dimension + k] = packed[slot * record + k]
@@ -321,11 +359,12 @@ def copy_to_slots(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray)
 @internal
 def _build(neighbours: Neighbours, r: np.ndarray) -> int:
     reach = neighbours.cutoff + neighbours.skin
-    far = FAR * reach
+    largest = 0.0
     for x in r:
-        if not -far <= x <= far:
+        if not -LOST <= x <= LOST:
             return DIVERGED
-    grid = _choose_grid(neighbours.sides, reach, r, len(neighbours.start) - 1)
+        largest = max(largest, abs(x))
+    grid = _choose_grid(neighbours.sides, reach, r, len(neighbours.start) - 1, ROUNDING * largest)
     _sort(neighbours, grid, r)
     if not _make_images(neighbours, grid):
         return NEEDS_CAPACITY
@@ -337,8 +376,11 @@ def _build(neighbours: Neighbours, r: np.ndarray) -> int:
 
 
 @internal
-def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: int) -> _Grid:
-    """Columns as wide as a cubic (2D: square) tile is at the mean density, at most `limit` cells in all."""
+def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: int, rounding: float) -> _Grid:
+    """Columns as wide as a cubic (2D: square) tile is at the mean density, at most `limit` cells in all.
+
+    rounding: a bound on that of the coordinates r.
+    """
     dimension = len(sides)
     low_a, extent_a = _extent(sides[0], r, 0, dimension)
     low_b, extent_b = _extent(sides[1], r, 1, dimension)
@@ -358,9 +400,9 @@ def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: i
             break
         size *= 1.2
     return _Grid(
-        _axis(cells_a, low_a, extent_a, sides[0], reach),
-        _axis(cells_b, low_b, extent_b, sides[1] if dimension == 3 else 0.0, reach),
-        _axis(cells_c, low_c, extent_c, sides[dimension - 1], reach),
+        _axis(cells_a, low_a, extent_a, sides[0], reach, rounding),
+        _axis(cells_b, low_b, extent_b, sides[1] if dimension == 3 else 0.0, reach, rounding),
+        _axis(cells_c, low_c, extent_c, sides[dimension - 1], reach, rounding),
     )
 
 
@@ -377,10 +419,14 @@ def _extent(side: float, r: np.ndarray, k: int, dimension: int) -> tuple[float, 
 
 
 @internal
-def _axis(cells: float, low: float, extent: float, side: float, reach: float) -> _Axis:
+def _axis(cells: float, low: float, extent: float, side: float, reach: float, rounding: float) -> _Axis:
     inverse = cells / extent if extent > 0 else 0.0
-    around = min(cells, np.ceil(reach * inverse)) if side > 0 else 0.0
-    return _Axis(int(cells), low, extent / cells, inverse, int(around))
+    if side > 0:
+        # wrapped coordinates are no further outside than that, see `_offset`
+        rounding = min(rounding, 2 * OUTSIDE * side) + ROUNDING * side
+    around = np.ceil((reach + 2 * rounding) * inverse) if side > 0 else 0.0
+    shells = max(1, int(np.ceil(around / cells)))
+    return _Axis(int(cells), low, extent / cells, inverse, int(around), shells, rounding)
 
 
 @inline_internal
@@ -400,15 +446,21 @@ def _slots(grid: _Grid, start: np.ndarray, column: int, low: int, high: int) -> 
 @inline_internal
 def _imaged(grid: _Grid, shift_c: int) -> tuple[int, int]:
     """First and last cell of a column that has an image `shift_c` boxes along the column; none if last < first."""
-    low = grid.c.cells - grid.c.around if shift_c == -1 else 0
-    high = grid.c.around - 1 if shift_c == 1 else grid.c.cells - 1
+    low = max(0, -shift_c * grid.c.cells - grid.c.around)
+    high = min(grid.c.cells - 1, grid.c.around - 1 - (shift_c - 1) * grid.c.cells)
     return low, high
 
 
 @inline_internal
 def _offset(x: float, side: float) -> float:
-    """What wrapping into the box subtracts from a coordinate: a whole number of box sides."""
-    return side * np.floor(x / side) if side > 0 else 0.0
+    """What wrapping into the box subtracts from a coordinate: a whole number of box sides.
+
+    Where rounding is coarser than OUTSIDE box sides, the coordinate itself: no digit says where in the box it is.
+    """
+    if side > 0:
+        offset = side * np.floor(x / side)
+        return offset if -OUTSIDE * side <= x - offset <= (1 + OUTSIDE) * side else x
+    return 0.0
 
 
 @inline_internal
@@ -463,6 +515,12 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
             tiles[tile + k * WIDTH] = FILLER_POSITION * (slot % WIDTH)
 
 
+@inline_internal
+def _shift(axis: _Axis, cell: int) -> int:
+    """In which box, counted from that of the particles, a cell of the axis lies."""
+    return cell // axis.cells if cell < 0 or cell >= axis.cells else 0
+
+
 @internal
 def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
     """Lists which slots have images, their places and displacements; False if the arrays are too small."""
@@ -472,16 +530,17 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
     end = len(neighbours.first) * WIDTH - WIDTH
     block = 0
     columns = (grid.a.cells + 2 * grid.a.around) * (grid.b.cells + 2 * grid.b.around)
-    if 3 * columns > len(image_offset) or 6 * columns > len(blocks):
-        bookkeeping[BLOCKS] = 3 * columns
+    most = (2 * grid.c.shells + 1) * columns
+    if most > len(image_offset) or 2 * most > len(blocks):
+        bookkeeping[BLOCKS] = most
         return False
     position = 0
     for a in range(-grid.a.around, grid.a.cells + grid.a.around):
-        shift_a = (a >= grid.a.cells) - (a < 0)
+        shift_a = _shift(grid.a, a)
         for b in range(-grid.b.around, grid.b.cells + grid.b.around):
-            shift_b = (b >= grid.b.cells) - (b < 0)
+            shift_b = _shift(grid.b, b)
             column = _column(grid, a - shift_a * grid.a.cells, b - shift_b * grid.b.cells)
-            for shift_c in range(-1, 2):
+            for shift_c in range(-grid.c.shells, grid.c.shells + 1):
                 low, high = _imaged(grid, shift_c)
                 image_offset[position] = 0
                 if low <= high and not (shift_a == 0 and shift_b == 0 and shift_c == 0):
@@ -507,7 +566,7 @@ def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
     first, entries, image_offset = neighbours.wide_first, neighbours.wide_entries, neighbours.image_offset
     dimension = len(neighbours.sides)
     number = len(neighbours.order)
-    reach = (neighbours.cutoff + neighbours.skin) / SAFE
+    reach = _list_radius(neighbours, neighbours.cutoff + neighbours.skin)
     reach2 = reach * reach
     columns_b = grid.b.cells + 2 * grid.b.around
     found = 0
@@ -524,28 +583,28 @@ def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
         yi = load(tiles, base + WIDTH)
         zi = load(tiles, base + (dimension - 1) * WIDTH)
         for a in range(a_from, a_to + 1):
-            shift_a = (a >= grid.a.cells) - (a < 0)
+            shift_a = _shift(grid.a, a)
             gap_a = _gap(grid.a, a, a_low, a_high)
             for b in range(b_from, b_to + 1):
-                shift_b = (b >= grid.b.cells) - (b < 0)
+                shift_b = _shift(grid.b, b)
                 gap_b = _gap(grid.b, b, b_low, b_high)
                 left2 = reach2 - gap_a * gap_a - gap_b * gap_b
                 if left2 <= 0:
                     continue
-                left = np.sqrt(left2)
+                left = np.sqrt(left2) + grid.c.rounding
                 c_from = int(np.floor((c_low - left - grid.c.low) * grid.c.inverse))
                 c_to = int(np.floor((c_high + left - grid.c.low) * grid.c.inverse))
                 column = _column(grid, a - shift_a * grid.a.cells, b - shift_b * grid.b.cells)
-                position = ((a + grid.a.around) * columns_b + b + grid.b.around) * 3
-                for shift_c in range(-1, 2):
+                position = ((a + grid.a.around) * columns_b + b + grid.b.around) * (2 * grid.c.shells + 1)
+                for shift_c in range(-grid.c.shells, grid.c.shells + 1):
                     low, high = _imaged(grid, shift_c)
                     low = max(low, c_from - shift_c * grid.c.cells)
                     high = min(high, c_to - shift_c * grid.c.cells)
                     if low > high:
                         continue
                     slot, end = _slots(grid, start, column, low, high)
-                    slot += image_offset[position + shift_c + 1]
-                    end += image_offset[position + shift_c + 1]
+                    slot += image_offset[position + shift_c + grid.c.shells]
+                    end += image_offset[position + shift_c + grid.c.shells]
                     if found + end - slot > len(entries):
                         neighbours.bookkeeping[ENTRIES] = found + end - slot
                         return False
@@ -565,6 +624,7 @@ def _range(axis: _Axis, tiles: np.ndarray, base: int, members: int, reach: float
     for lane in range(1, members):
         low = min(low, tiles[base + lane])
         high = max(high, tiles[base + lane])
+    reach += axis.rounding
     cell_from = int(np.floor((low - reach - axis.low) * axis.inverse))
     cell_to = int(np.floor((high + reach - axis.low) * axis.inverse))
     return low, high, max(-axis.around, cell_from), min(axis.cells - 1 + axis.around, cell_to)
@@ -572,6 +632,6 @@ def _range(axis: _Axis, tiles: np.ndarray, base: int, members: int, reach: float
 
 @inline_internal
 def _gap(axis: _Axis, cell: int, low: float, high: float) -> float:
-    """Distance between a cell and the interval low ... high."""
+    """Distance between a cell and the interval low ... high, less the rounding of places."""
     cell_low = axis.low + cell * axis.width
-    return max(0.0, cell_low - high, low - cell_low - axis.width)
+    return max(0.0, cell_low - high - axis.rounding, low - cell_low - axis.width - axis.rounding)

@@ -175,6 +175,45 @@ def test_particles_out_of_reach_have_no_energy() -> None:
     assert math.isfinite(empty.sensitivity)
 
 
+@given(
+    shares=st.lists(st.floats(0.3, 1.6), min_size=2, max_size=3),
+    number=st.integers(1, 4),
+    truncation=st.sampled_from(TRUNCATIONS),
+    seed=st.integers(0, 1000),
+)
+def test_a_box_below_two_cutoffs_is_a_part_of_a_large_crystal(
+    shares: list[float], number: int, truncation: str, seed: int
+) -> None:
+    """The cell repeated until nearest images are enough, by the double loop: energy and virial a cell, and forces."""
+    rng = np.random.default_rng(seed)
+    lengths = CUTOFF * np.array(shares)
+    copies = np.ceil(2 * CUTOFF / lengths).astype(int)
+    positions = rng.uniform(0, lengths, (number, lengths.size))
+    scene = scene_of(positions, truncation=truncation, length=0.2)
+    cells = np.stack(np.meshgrid(*map(np.arange, copies), indexing="ij"), axis=-1).reshape(-1, lengths.size)
+    crystal = (positions + (cells * lengths)[:, None]).reshape(-1, lengths.size)
+    large = scene_of(crystal, truncation=truncation, length=0.2).changed(box=Box(lengths=tuple(copies * lengths)))
+    found = pair_sum(scene.changed(box=Box(lengths=tuple(lengths))))
+    energy, virial = double_loop(large)
+    assert found.energy == pytest.approx(energy / len(cells), rel=1e-9, abs=1e-12 * found.energy_scale)
+    assert found.virial == pytest.approx(virial / len(cells), rel=1e-9, abs=1e-12 * found.virial_scale)
+    forces = pair_sum(large).forces[: len(positions)]
+    assert abs(found.forces - forces).max() <= 1e-9 * found.force_scale.max()
+
+
+def test_one_particle_a_cell_has_the_lattice_sums_of_a_cubic_crystal() -> None:
+    """A6 = 8.40192397, A12 = 6.20214905: J. E. Jones and A. E. Ingham, Proc. R. Soc. A 107, 636 (1925), extended."""
+    side, cutoff = 1.05, 14.0
+    sums = pair_sum(scene_of(np.zeros((1, 3))).changed(
+        box=Box(lengths=(side,) * 3), lennard_jones=LennardJones(cutoff=cutoff)
+    ))  # fmt: skip
+    beyond = 4 * np.pi / 3 * (side / cutoff) ** 3  # of r^-6, sites of uniform density
+    a6, a12 = 8.40192397 - beyond, 6.20214905
+    assert sums.energy == pytest.approx(2 * (a12 / side**12 - a6 / side**6), rel=1e-4)
+    assert sums.virial == pytest.approx(2 * (12 * a12 / side**12 - 6 * a6 / side**6), rel=2e-4)
+    assert abs(sums.forces).max() <= 1e-15 * sums.force_scale.max()
+
+
 # -- tails -------------------------------------------------------------------------------------------
 
 

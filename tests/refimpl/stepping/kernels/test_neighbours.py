@@ -12,6 +12,7 @@ from refimpl.stepping.kernels.neighbours import (
     BUILDS,
     CLOSE,
     FAR,
+    LOST,
     PRUNES,
     SLOTS,
     STATUS,
@@ -56,13 +57,14 @@ def listed_distances(lists: Neighbours, radius: float) -> list[tuple[int, int, f
 
 
 def all_distances(r: np.ndarray, sides: tuple[float, ...], radius: float) -> list[tuple[int, int, float]]:
-    """The same from all pairs and their images, for a radius up to the shortest side."""
+    """The same from all pairs and all their images."""
     box = np.array(sides)
     x = r.reshape(-1, len(sides))
     nearest = x[:, None] - x
     nearest -= box * np.rint(nearest / np.where(box > 0, box, np.inf))
     found = []
-    for shift in product(*[(-1, 0, 1) if side > 0 else (0,) for side in sides]):
+    shells = [int(np.ceil(radius / side)) if side > 0 else 0 for side in sides]
+    for shift in product(*[range(-shell, shell + 1) for shell in shells]):
         distances = np.linalg.norm(nearest + np.array(shift) * box, axis=2)
         if not any(shift):
             np.fill_diagonal(distances, np.inf)
@@ -73,7 +75,9 @@ def all_distances(r: np.ndarray, sides: tuple[float, ...], radius: float) -> lis
 def assert_complete(lists: Neighbours, r: np.ndarray) -> None:
     listed, expected = listed_distances(lists, lists.cutoff), all_distances(r, lists.sides, lists.cutoff)
     assert [pair[:2] for pair in listed] == [pair[:2] for pair in expected]
-    np.testing.assert_allclose([pair[2] for pair in listed], [pair[2] for pair in expected], rtol=1e-12, atol=1e-13)
+    # a coordinate of an image is rounded like the box side
+    rounding = max(1e-13, 4 * 2.0**-52 * max(lists.sides))
+    np.testing.assert_allclose([pair[2] for pair in listed], [pair[2] for pair in expected], rtol=1e-12, atol=rounding)
 
 
 @settings(max_examples=60, deadline=None)
@@ -86,10 +90,13 @@ def assert_complete(lists: Neighbours, r: np.ndarray) -> None:
     offset=st.sampled_from([0.0, 5.0, 300.0]),
     clustered=st.booleans(),
     step=st.floats(0.0, 0.5),
+    short=st.sampled_from([None, 0, 1, 2]),
 )
-def test_no_pair_is_missed(seed, number, periodic, stretch, skin, offset, clustered, step):
+def test_no_pair_is_missed(seed, number, periodic, stretch, skin, offset, clustered, step, short):
     rng = np.random.default_rng(seed)
     dimension = len(periodic)
+    # one side or all of them shorter than the list radius: images in several shells, also of a particle itself
+    stretch = [side / 6 if short in (axis, 2) else side for axis, side in enumerate(stretch)]
     sides = [s if p else 0.0 for s, p in zip(stretch[:dimension], periodic, strict=True)]
     spans = np.array(stretch[:dimension]) * (0.2 if clustered else 1.5)
     r = (rng.uniform(-offset, offset, dimension) + rng.uniform(0, spans, (number, dimension))).ravel()
@@ -146,7 +153,7 @@ def test_two_particles_that_approach_from_beyond_the_lists_are_found():
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e300, -1.01 * FAR * 1.5])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e300, -1.01 * LOST])
 def test_a_lost_particle_is_divergence_at_first_and_later(dimension, bad):
     r = np.random.default_rng(2).uniform(0, 5, 30 * dimension)
     lost = r.copy()
@@ -160,13 +167,48 @@ def test_a_lost_particle_is_divergence_at_first_and_later(dimension, bad):
         assert_complete(lists, r)
 
 
-def test_far_but_finite_coordinates_are_served():
-    r = np.random.default_rng(3).uniform(0, 5, 90)
-    r[::9] += 5.0 * 2**16
-    r[1] -= 5.0 * 2**17
-    lists = updated(neighbours(30, [5.0] * 3, 1.0, 0.5), r)
+@pytest.mark.parametrize("sides", [[5.0] * 3, [0.0] * 3])
+def test_a_particle_that_leaps_is_lost_however_near_the_origin_it_is(sides):
+    """More than FAR list radii from one update to the next; a little less is no divergence, nor is it at the start."""
+    r = np.random.default_rng(2).uniform(0, 5, 90)
+    for share, outcome in ((0.99, GOOD), (1.01, DIVERGED)):
+        leap = r.copy()
+        leap[11] -= share * FAR * 1.5
+        lists = updated(neighbours(30, sides, 1.0, 0.5), r)
+        assert update(lists, leap) == outcome
+        assert update(lists, leap) == GOOD
+        assert update(lists, r) == outcome
+
+
+@pytest.mark.parametrize("boxes", [2**17, 2**30, 10**9])
+def test_far_but_finite_coordinates_are_served(boxes):
+    """In steps of 2^-20 of a side that is a power of two, so that wrapping rounds nothing."""
+    r = np.random.default_rng(3).integers(0, 2**20, 90) * 2.0**-18
+    r[::9] += 4.0 * (boxes // 2)
+    r[1] -= 4.0 * boxes
+    lists = updated(neighbours(30, [4.0] * 3, 1.0, 0.5), r)
     listed, expected = listed_distances(lists, 1.0), all_distances(r, lists.sides, 1.0)
     assert [pair[:2] for pair in listed] == [pair[:2] for pair in expected]
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    sides=st.lists(st.sampled_from([0.0, 0.7, 3.1, 2e7]), min_size=2, max_size=3),
+    magnitude=st.floats(0, 99),
+    together=st.booleans(),
+)
+def test_anywhere_below_the_limit_nothing_is_missed(seed, sides, magnitude, together):
+    """All pairs of the coordinates as rounding has left them: those of the slots. Far means 1e6 ... 1e99 list radii."""
+    rng = np.random.default_rng(seed)
+    r = rng.uniform(0, 6, (20, len(sides)))
+    r += 10**magnitude * (rng.uniform(-1, 1, len(sides)) if together else rng.integers(-1, 2, r.shape))
+    lists = updated(neighbours(20, sides, 1.0, 0.5), r.ravel())
+    record = 4 if len(sides) == 3 else 2
+    wrapped = lists.packed.reshape(-1, record)[:20, : len(sides)][np.argsort(lists.order)]
+    assert_complete(lists, np.ascontiguousarray(wrapped).ravel())
+    for axis, side in enumerate(sides):
+        assert side == 0 or (abs(wrapped[:, axis] - side / 2) <= side / 2 * (1 + 1e-5)).all()
 
 
 @pytest.mark.parametrize(
@@ -196,7 +238,9 @@ def test_wrong_sizes_are_refused():
         neighbours(3, [5.0, 5.0], float("nan"), 0.1)
     with pytest.raises(ValueError, match="skin must be non-negative"):
         neighbours(3, [5.0, 5.0], 1.0, -0.1)
-    with pytest.raises(ValueError, match="reduce the skin"):
-        neighbours(3, [5.0, 1.5], 1.0, 0.6)
+    with pytest.raises(ValueError, match="shorten the cutoff"):
+        neighbours(30, [5.0, 1e-3, 1e-3], 10.0, 0.6)
+    with pytest.raises(ValueError, match="sides and cutoff"):
+        neighbours(3, [5.0, np.inf], 1.0, 0.6)
     with pytest.raises(ValueError, match="number \\* dimension"):
         update(neighbours(3, [5.0, 5.0], 1.0, 0.1), np.zeros(5))
