@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -12,6 +15,8 @@ from crosscheck.engines.protocol import Engine
 from crosscheck.errors import UsageError
 
 GROUP = "crosscheck.engines"
+#: What the names of the modules of engine files start with.
+_MODULE = "crosscheck_engine_"
 
 
 def engine_names() -> list[str]:
@@ -42,7 +47,8 @@ def engine_class(name: str) -> type[Engine]:
     imported, has no such class, or the class lacks a member of `Engine`.
     """
     if ".py:" in name:
-        return _from_file(name)
+        with _neighbours(_file(name).parent):
+            return _from_file(name)
     if name in _installed():
         found: type[Engine] = _installed()[name].load()
         return found
@@ -50,16 +56,47 @@ def engine_class(name: str) -> type[Engine]:
 
 
 def load_engine(name: str) -> Engine:
-    """An instance of the engine. name, UsageError: as in `engine_class`."""
+    """An instance of the engine. name, UsageError: as in `engine_class`.
+
+    Modules beside an engine's file can be imported by its methods too: this process is that engine's alone.
+    """
+    if ".py:" in name:
+        sys.path.insert(0, str(_file(name).parent))
+        return _from_file(name)()
     return engine_class(name)()
+
+
+def _file(name: str) -> Path:
+    """The file of the engine `path.py:Class`."""
+    return Path(name.rpartition(":")[0]).resolve()
+
+
+@contextmanager
+def _neighbours(directory: Path) -> Iterator[None]:
+    """Modules in this directory can be imported in the `with` block, and are forgotten after it.
+
+    A file of the same name beside another engine is another module.
+    """
+    before = set(sys.modules)
+    sys.path.insert(0, str(directory))
+    try:
+        yield
+    finally:
+        sys.path.remove(str(directory))
+        for name in set(sys.modules) - before:
+            place = getattr(sys.modules[name], "__file__", None)
+            if place and not name.startswith(_MODULE) and directory in Path(place).resolve().parents:
+                del sys.modules[name]
 
 
 def _from_file(name: str) -> type[Engine]:
     file, _, class_name = name.rpartition(":")
-    path = Path(file).resolve()
+    path = _file(name)
     if not path.is_file():
         raise UsageError(f"engine '{name}': there is no file {file}")
-    spec = importlib.util.spec_from_file_location(f"crosscheck_engine_{path.stem}", path)
+    # files of one name in different directories are different modules
+    digest = hashlib.sha256(str(path).encode(errors="surrogateescape")).hexdigest()[:16]
+    spec = importlib.util.spec_from_file_location(f"{_MODULE}{digest}_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)

@@ -60,11 +60,14 @@ class Worker:
         reply = self._call({"call": "supports", "scene": scene.to_json(), "method": method.model_dump_json()})
         return None if reply["reason"] is None else str(reply["reason"])
 
-    def run(self, scene: Scene, method: Method) -> Run:
-        """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it."""
+    def run(self, scene: Scene, method: Method, progress: Path | None = None) -> Run:
+        """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it.
+
+        progress: the file to which the engine reports how far it is, see `crosscheck.engines.progress`; None: none.
+        """
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         path = Path(self._directory.name) / "run.npz"
-        reply = self._call({"call": "run", "path": str(path), **texts})
+        reply = self._call({"call": "run", "path": str(path), "progress": progress and str(progress), **texts})
         if "unsupported" in reply:
             raise Unsupported(f"{self.engine}: {reply['unsupported']}")
         with np.load(path) as arrays:

@@ -14,10 +14,12 @@ import os
 import signal
 import sys
 import traceback
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from crosscheck.engines import progress
 from crosscheck.engines.capabilities import refusal
 from crosscheck.engines.protocol import Claims, Engine, Run, sample_times, shapes
 from crosscheck.engines.registry import load_engine
@@ -31,8 +33,9 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     """The answer to one request.
 
     engine: an instance. request: "call" is "version", "supports" or "run"; the latter two hold "scene" and "method" as
-    JSON texts, and "run" the "path" of the file for the arrays. UsageError for a mistake in scene or method; ValueError
-    if a run holds arrays of other shapes than the scene asks for; any exception of the engine.
+    JSON texts, and "run" the "path" of the file for the arrays, and perhaps that for the "progress". UsageError for a
+    mistake in scene or method; ValueError if a run holds arrays of other shapes than the scene asks for; any exception
+    of the engine.
     """
     if request["call"] == "version":
         return {"version": engine.version()}
@@ -45,6 +48,8 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     if reason is not None:
         return {"unsupported": reason}
     _check_step(engine.schemes[method.scheme], method)
+    progress.listen(Path(request["progress"]) if request.get("progress") else None)
+    progress.stage("preparing the start")
     run = engine.run(wanted, method)
     _check_arrays(run, wanted, method)
     np.savez(request["path"], allow_pickle=False, **_asked_arrays(run, scene))
