@@ -31,7 +31,8 @@ class Results:
         """Moves files of `scratch` to `out`, and removes those of the simulation before; returns the new paths.
 
         files: all that were written. A file with the name of a new one is replaced; a link is replaced too, and what it
-        points to is left as it is. Of other files, those are removed that the list of the last simulation names, and that have not changed since.
+        points to is left as it is. Of other files, those are removed that the list of the last simulation names, and
+        that have not changed since.
         UsageError if a directory has the name of a file.
         """
         for name in (*(file.name for file in files), MANIFEST):

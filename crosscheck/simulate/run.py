@@ -47,7 +47,7 @@ class Simulation:
 
     paths: of the files written. rows: how each run went. endings: sentences on runs that diverged or stopped, and
     remarks of the engines. differences: of each pair of runs. failures: messages of engines that failed, whose runs are
-    lost. remarks: on the files. whole: whether all runs went to their end.
+    lost, and of a picture that could not be drawn. remarks: on the files. whole: whether all runs went to their end.
     """
 
     paths: list[Path]
@@ -91,7 +91,10 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> Simulation
             remarks += [remark] if remark else []
             written += write_trajectories(files.scratch, name, loaded, result.run)
         compared = differences(*results) if len(results) == 2 else {}
-        written += draw_picture(files.scratch, loaded, method, results, compared)
+        try:
+            written += draw_picture(files.scratch, loaded, method, results, compared)
+        except Exception as error:  # the numbers of a long run must not be lost with its picture
+            failures.append(f"the picture cannot be drawn ({type(error).__name__}: {' '.join(str(error).split())})")
         paths = files.put(written)
     return Simulation(
         paths=paths,
