@@ -19,6 +19,24 @@ app = typer.Typer(
     help="Tells whether a particle-simulation code is right, how fast it is, and where it breaks.",
 )
 
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from crosscheck import __version__
+
+        print(f"crosscheck {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version, and exit.")
+    ] = False,
+) -> None:
+    """Options of the program itself. version: print the version."""
+
+
 Engines = Annotated[
     Optional[list[str]],  # noqa: UP045 - typer reads it
     typer.Option(
@@ -122,7 +140,10 @@ def simulate(
     out: Out = Path("crosscheck-out"),
     time_limit: TimeLimit = TIME_LIMIT,
 ) -> None:
-    """Run a scene; write observables, trajectory and a picture, of several engines side by side."""
+    """Run a scene; print a summary, and write all that it records, and a picture, of several engines side by side.
+
+    Exit status: 0 the runs went to their end, 1 one diverged or stopped, 2 bad usage or input.
+    """
     from crosscheck import commands
 
     raise typer.Exit(interruptible(lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit)))

@@ -15,6 +15,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -319,17 +320,48 @@ def _say_if_torn(directory: Path) -> None:
         print(f"crosscheck: {directory / FILE}: its last line is incomplete, and does not count", file=sys.stderr)
 
 
-def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float = TIME_LIMIT) -> None:
-    """Runs a scene and prints the paths of the files written.
+def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float = TIME_LIMIT) -> int:
+    """Runs a scene, prints how the runs went and the paths of the files written; returns the exit status.
 
     scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
-    files. time_limit: seconds that one call of an engine may take. UsageError: see `crosscheck.simulate.run.simulate`.
+    files. time_limit: seconds that one call of an engine may take. The status is 1 if a run diverged, stopped before
+    its end, or failed, else 0. UsageError: see `crosscheck.simulate.run.simulate`.
     """
     from crosscheck.simulate.run import simulate as simulate_scene
+    from crosscheck.simulate.summary import LEVELS
 
     refuse_no_directory(out, "the files")
-    for path in simulate_scene(scene, engine_list, out, time_limit):
+    done = simulate_scene(scene, engine_list, out, time_limit)
+    console = _console()
+    table = Table(box=None, pad_edge=False)
+    for title in ("engine", "method"):
+        table.add_column(title, overflow="fold")
+    for title in ("work", "CPU", "per second", "each", "energy", "momentum"):
+        table.add_column(title, justify="right", overflow="fold")
+    table.add_column("end", no_wrap=True)
+    for row in done.rows:
+        end = row.end if row.end == "whole" else f"[{_COLOURS['fail']}]{row.end}[/]"
+        table.add_row(
+            *map(escape, (row.engine, row.method, row.work, f"{row.cpu:.3g} s", f"{row.speed:.3g}", row.each)),
+            *map(escape, (row.energy, row.momentum)),
+            end,
+        )
+    console.print(table, highlight=False)
+    if done.differences:
+        table = Table(box=None, pad_edge=False)
+        for title in ("difference of", "quantity", "largest", "relative to"):
+            table.add_column(title, overflow="fold")
+        for level in LEVELS:
+            table.add_column(f"passed {level:g}", justify="right")
+        for one in done.differences:
+            times = ("never" if time is None else f"t = {time:g}" for time in one.passed)
+            table.add_row(*map(escape, (" - ".join(one.engines), one.what, f"{one.largest:.2e}", one.unit)), *times)
+        console.print(table, highlight=False)
+    for text in (*done.endings, *done.remarks, *done.failures):
+        print(text, file=sys.stdout if done.whole else sys.stderr)
+    for path in done.paths:
         print(path)
+    return 0 if done.whole else 1
 
 
 # -- prove -----------------------------------------------------------------------------------------

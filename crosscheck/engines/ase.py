@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.engines.capabilities import capability
+from crosscheck.engines.progress import report
 from crosscheck.engines.protocol import Claims, Cost, Run, sample_times, strides, timed
 from crosscheck.scene import LennardJones, Method, Scene, State
 
@@ -76,6 +77,7 @@ class AseEngine:
                     run.diverged = True
                     break
                 _record(run, sample, atoms, lj)
+                report(sample * every / steps)
             if not run.diverged:
                 run.diverged = not _advance(dynamics, steps % every)
         run.cost.steps, run.cost.evaluations = dynamics.nsteps, dynamics.nsteps + 1

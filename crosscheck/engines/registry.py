@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import sys
 from functools import cache
@@ -16,6 +17,8 @@ from crosscheck.errors import EngineError, EngineMissing, UsageError
 GROUP = "crosscheck.engines"
 #: Seconds that the import of an engine may take.
 _SECONDS_TO_IMPORT = 120.0
+#: What the names of the modules of engine files start with.
+_MODULE = "crosscheck_engine_"
 
 
 def engine_names() -> list[str]:
@@ -88,12 +91,19 @@ def _entry_point(name: str) -> EntryPoint:
     return _installed()[name]
 
 
+def _file(name: str) -> Path:
+    """The file of the engine `path.py:Class`."""
+    return Path(name.rpartition(":")[0]).resolve()
+
+
 def _from_file(name: str) -> type[Engine]:
     file, _, class_name = name.rpartition(":")
-    path = Path(file).resolve()
+    path = _file(name)
     if not path.is_file():
         raise UsageError(f"engine '{name}': there is no file {file}")
-    spec = importlib.util.spec_from_file_location(f"crosscheck_engine_{path.stem}", path)
+    # files of one name in different directories are different modules
+    digest = hashlib.sha256(str(path).encode(errors="surrogateescape")).hexdigest()[:16]
+    spec = importlib.util.spec_from_file_location(f"{_MODULE}{digest}_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)

@@ -1,9 +1,15 @@
-"""Observables of a run: the columns that follow from what the engine recorded, and the CSV file that holds them."""
+"""Observables of a run: the columns that follow from what the engine recorded, and the CSV file that holds them.
+
+What an array is, is read off its axes in the table of observables, so that a new observable needs no line here. Some
+axes say where or when a value is (`PLACES`); along the others it has components, which become columns with labels.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,13 +21,16 @@ from crosscheck.scene.observables import OPERATIONS, TABLE
 
 #: Observables that are no columns themselves: columns of energies, temperature and pressure follow from them.
 _USED = ("kinetic_energy", "potential_energy", "virial")
+#: Axes of the table of observables that say where or when a value is.
+PLACES = ("sample", "particle", "grid", "block", "row", "column")
 
 
 @dataclass(frozen=True)
 class Result:
     """A run of one engine.
 
-    engine, version: its name and version. run: what it returned. table: column -> (samples,), see `observables`.
+    engine: its name, as results are labelled with it. version: its version. run: what it returned. table: column ->
+    (samples,), see `observables`.
     """
 
     engine: str
@@ -62,10 +71,21 @@ def observables(scene: Scene, run: Run) -> dict[str, Floats]:
     table |= (
         _of_hard_spheres(scene, run) if scene.hard_spheres is not None else _of_smooth_forces(scene, run, tail_pressure)
     )
+    return table | _recorded(scene, run)
+
+
+def _recorded(scene: Scene, run: Run) -> dict[str, Floats]:
+    """The observables with one value, or a few labelled ones, per sample."""
+    table: dict[str, Floats] = {}
     for name in scene.output.observables:
-        if name not in _USED:
-            table |= _columns(scene, name, run[name])
+        if name not in _USED and places(name) == ("sample",):
+            table |= labelled(scene, name, run[name], 1)
     return table
+
+
+def places(name: str) -> tuple[str, ...]:
+    """Those axes of the observable of this name that say where or when its values are, in their order."""
+    return tuple(axis for axis in TABLE[name].axes if axis in PLACES)
 
 
 def _of_smooth_forces(scene: Scene, run: Run, tail_pressure: float) -> dict[str, Floats]:
@@ -103,22 +123,24 @@ def _of_lattice_gas(scene: Scene, run: Run) -> dict[str, Floats]:
         whole = populations.sum(axis=(1, 2))
         momentum = whole @ gas_model(scene).velocities.cartesian
         table |= {"mass": whole.sum(axis=1), "momentum_x": momentum[:, 0], "momentum_y": momentum[:, 1]}
-    impulse, h_function = run.get("force_impulse"), run.get("h_function")
+    impulse = run.get("force_impulse")
     if impulse is not None:
         table["force_impulse"] = impulse.sum(axis=1)
-    if h_function is not None:
-        table["h_function"] = h_function
-    return table
+    return table | _recorded(scene, run)
 
 
-def _columns(scene: Scene, name: str, values: Floats) -> dict[str, Floats]:
-    """An observable (samples, ...) as columns (samples,), named by the axes that the table gives it."""
+def labelled(scene: Scene, name: str, values: Floats, first: int) -> dict[str, Floats]:
+    """An observable as columns, named by the axes along which it has components.
+
+    scene: what was run. name: of the observable. values: its array, the axes of its places first. first: their number;
+    a column has the shape of values along them.
+    """
     found = {name: values}
-    for axis in TABLE[name].axes[1:]:
+    for axis in (axis for axis in TABLE[name].axes if axis not in PLACES):
         found = {
-            _column(axis, column, label): rows[:, k]
+            _column(axis, column, label): np.take(rows, k, axis=first)
             for column, rows in found.items()
-            for k, label in enumerate(_labels(scene, axis, rows.shape[1]))
+            for k, label in enumerate(labels(scene, axis, rows.shape[first]))
             if label
         }
     return found
@@ -128,13 +150,18 @@ def _column(axis: str, column: str, label: str) -> str:
     """Name of a column of an array along an axis: "wall_impulse[x-]", and "wall_impulse[x-].y" along the next."""
     if axis == "operation":
         return label
-    return f"{column}.{label}" if axis == "axis" else f"{column}[{label}]"
+    return f"{column}.{label}" if axis in ("axis", "spin") else f"{column}[{label}]"
 
 
-def _labels(scene: Scene, axis: str, number: int) -> list[str]:
-    """Names of the elements along an axis; "" for a face that is not there."""
-    if axis == "axis":
+def labels(scene: Scene, axis: str, number: int) -> list[str]:
+    """Names of the elements along an axis of components; "" for a face that is not there.
+
+    scene: what was run. axis: its name in the table of observables. number: of the elements.
+    """
+    if axis == "axis" or (axis == "spin" and number == len(AXES)):
         return list(AXES[:number])
+    if axis == "spin":
+        return ["z"]
     if axis == "operation":
         return list(OPERATIONS)
     if axis == "face":
@@ -170,8 +197,7 @@ _HARD_MEANINGS = {
 def write_observables(path: Path, scene: Scene, method: Method, result: Result) -> Path:
     """Writes the table of a result to `path`, after comments (#) on what its columns are; returns `path`.
 
-    CSV with a header line; 17 significant digits, so that reading it back gives the same numbers. scene, method: what
-    was run. result: of the run.
+    scene, method: what was run. result: of the run.
     """
     tails = scene.lennard_jones is not None and scene.lennard_jones.tail_corrections
     meanings = _MEANINGS if scene.hard_spheres is None else _HARD_MEANINGS
@@ -190,18 +216,37 @@ def write_observables(path: Path, scene: Scene, method: Method, result: Result) 
         f"{result.engine} {result.version}, {method_label(method)}",
         units,
         *(text for name, text in meanings.items() if name in result.table),
-        *(_meaning(name) for name in scene.output.observables if scene.lattice_gas is None and name not in _USED),
+        *(meaning(name) for name in scene.output.observables if name not in _USED and places(name) == ("sample",)),
         *(["potential_energy and pressure contain the tail corrections"] if tails else []),
-        *(["the run diverged: not a number from there on"] if result.run.diverged else []),
-        *([f"the run stopped: {result.run.stopped}"] if result.run.stopped else []),
+        *outcome(result.run),
     ]
-    rows = np.column_stack(list(result.table.values()))
-    header = "".join(f"# {comment}\n" for comment in comments) + ",".join(result.table)
-    np.savetxt(path, rows, fmt="%.17g", delimiter=",", header=header, comments="")
+    return write_csv(path, comments, result.table)
+
+
+def outcome(run: Run) -> list[str]:
+    """Sentences on how a run ended, and on what its user must know; none of a run without either."""
+    return [
+        *(["the run diverged: not a number from there on"] if run.diverged else []),
+        *([f"the run stopped: {run.stopped}"] if run.stopped else []),
+        *run.remarks,
+    ]
+
+
+def write_csv(path: Path, comments: Sequence[str], columns: Mapping[str, Any]) -> Path:
+    """Writes columns to a CSV file, so that every number reads back to the same bits; returns `path`.
+
+    comments: lines before the header line, each after "# ". columns: name -> (rows,).
+    """
+    with path.open("w", encoding="utf-8", errors="backslashreplace", newline="") as file:
+        file.writelines(f"# {' '.join(comment.split())}\n" for comment in comments)
+        file.write(",".join(columns) + "\n")
+        values = (np.asarray(column).tolist() for column in columns.values())
+        # repr gives the shortest text that reads back to the same number
+        file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*values, strict=True))
     return path
 
 
-def _meaning(name: str) -> str:
+def meaning(name: str) -> str:
     """A comment on the observable of this name, from the table of observables."""
     row = TABLE[name]
     return f"{name}: {row.meaning}{', since the start' if row.cumulative else ''} (unit: {row.unit})"

@@ -1,9 +1,13 @@
-"""The picture of a run: one column per engine, particles or field above energies; below, differences of two engines."""
+"""The picture of a run: one column per engine, of particles, what was measured on cells, and energies.
+
+Below are the differences of two engines.
+"""
 
 from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -12,8 +16,16 @@ from crosscheck.engines.protocol import Run
 from crosscheck.figure import Frame, RoundFrame, Snapshot
 from crosscheck.painter import LARGEST, Extent, bounds, colours, outlines, paint
 from crosscheck.scene import Floats, Method, Scene
-from crosscheck.scene.lattice_gas import gas_model
 from crosscheck.simulate.observables import Result, method_label
+from crosscheck.simulate.panels import (
+    COLOURS,
+    add_colour_bar,
+    draw_panel,
+    height,
+    height_of_plane,
+    limits_of_maps,
+    panels,
+)
 from crosscheck.simulate.trajectory import in_space
 from crosscheck.text import printable
 
@@ -28,7 +40,8 @@ _SIDE = 250.0
 #: Free space about particles and box, and the diameter of particles without a size, as shares of the picture.
 _MARGIN, _POINT = 0.02, 0.01
 _GREY, _OUTLINE, _WALL = "#bbbbbb", "#333333", "#222222"
-_COLOURS = ("#0067a8", "#d04f00", "#00846a", "#a8327f", "#8f6c00", "#3a2a8c")
+#: Width of the axes of a column, about, in inches.
+_WIDTH = 3.6
 
 
 def draw_picture(
@@ -44,7 +57,12 @@ def draw_picture(
     from matplotlib.figure import Figure
 
     energies = any(_energies(result) for result in results)
-    heights = [4.2] + [2.6] * energies + [2.6] * bool(differences)
+    drawn = [panels(scene, result.run) for result in results]
+    particles = scene.lattice_gas is None
+    lengths = scene.lengths()
+    flat = 4.2 if lengths is None or lengths.size == 1 else height_of_plane((lengths[0], lengths[1]), _WIDTH)
+    heights = [flat] * particles + [height(panel, _WIDTH) for panel in drawn[0]]
+    heights += [2.6] * energies + [2.6] * bool(differences)
     style: Any = {
         "svg.hashsalt": "crosscheck",
         "svg.fonttype": "none",
@@ -59,17 +77,25 @@ def draw_picture(
     with matplotlib.rc_context(style), np.errstate(all="ignore"):
         figure = Figure(figsize=(max(5.5, 4.6 * len(results)), sum(heights) + 0.5), layout="constrained")
         FigureCanvasAgg(figure)
-        figure.suptitle(f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}", parse_math=False)
+        title = printable(f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}")
+        # a name may be long, and may hold dollar signs
+        figure.suptitle("\n".join(wrap(title, 70 * len(results))), parse_math=False)
         grid = figure.add_gridspec(len(heights), len(results), height_ratios=heights)
         energy_axes: Axes | None = None
         for column, result in enumerate(results):
-            axes = figure.add_subplot(grid[0, column])
             state = " (diverged)" if result.run.diverged else " (stopped)" if result.run.stopped else ""
-            axes.set_title(printable(result.engine + state), fontsize=10, parse_math=False)
-            draw_configuration(axes, scene, result.run)
+            title = printable(result.engine + state)
+            if particles:
+                axes = figure.add_subplot(grid[0, column])
+                axes.set_title(title, fontsize=10, parse_math=False)
+                draw_configuration(axes, scene, result.run)
+            for number, panel in enumerate(drawn[column]):
+                limits = limits_of_maps([one[number] for one in drawn])
+                on_top = number == 0 and not particles
+                draw_panel(figure.add_subplot(grid[particles + number, column]), panel, limits, title * on_top)
             if energies:
-                energy_axes = figure.add_subplot(grid[1, column], sharey=energy_axes)
-                for colour, (name, values) in zip(_COLOURS, _energies(result).items(), strict=False):
+                energy_axes = figure.add_subplot(grid[particles + len(drawn[column]), column], sharey=energy_axes)
+                for colour, (name, values) in zip(COLOURS, _energies(result).items(), strict=False):
                     energy_axes.plot(
                         result.run["time"], values, color=colour, linewidth=1, label=name.replace("_", " ")
                     )
@@ -77,7 +103,7 @@ def draw_picture(
                 energy_axes.legend(**above)
         if differences:
             axes = figure.add_subplot(grid[-1, :])
-            for colour, (name, values) in zip(_COLOURS, differences.items(), strict=False):
+            for colour, (name, values) in zip(COLOURS, differences.items(), strict=False):
                 axes.plot(
                     results[0].run["time"], np.where(values > 0, values, np.nan), color=colour, linewidth=1, label=name
                 )
@@ -102,16 +128,14 @@ def _energies(result: Result) -> dict[str, Floats]:
 
 
 def draw_configuration(axes: Axes, scene: Scene, run: Run) -> None:
-    """Draws the particles or the field of a run.
+    """Draws the particles of a run.
 
-    axes: matplotlib's, to draw on. scene: what was run. run: what the engine returned. A lattice gas is drawn as the
-    field of its speed; few particles without a size as trajectories, in one dimension against time; all others as disks
-    at the end of the run, with the paths of those that move if they are few hard disks.
+    axes: matplotlib's, to draw on. scene: what was run. run: what the engine returned. Few particles without a size are
+    drawn as trajectories, in one dimension against time; all others as disks at the end of the run, with the paths of
+    those that move if they are few hard disks.
     """
     positions = run.get("positions")
-    if scene.lattice_gas is not None:
-        _draw_lattice_gas(axes, scene, run)
-    elif scene.number <= FEW and positions is not None and not _are_disks(scene):
+    if scene.number <= FEW and positions is not None and not _are_disks(scene):
         _draw_trajectories(axes, scene, run["time"], positions)
     else:
         moving = ~scene.fixed()
@@ -170,8 +194,7 @@ def _draw_snapshot(axes: Axes, scene: Scene, run: Run) -> None:
             axes.add_patch(Circle((x, y), radius, fill=False, linewidth=2, edgecolor=_WALL))
     if painting.limits is not None:
         scale = ScalarMappable(Normalize(*painting.limits), ListedColormap(colours()))
-        assert axes.figure is not None
-        axes.figure.colorbar(scale, ax=axes, label=snapshot["value_label"], shrink=0.8)
+        add_colour_bar(axes, scale, snapshot["value_label"])
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
     axes.set_xlabel("\n".join(["x", *painting.lost_remarks]))
     axes.set_ylabel("y (far particles are smaller)" if scene.dimension == 3 else "y")
@@ -283,13 +306,13 @@ def _draw_paths(axes: Axes, positions: Floats, periods: Floats) -> None:
         image = _image(path, periods)
         breaks = np.flatnonzero((np.diff(image, axis=0) != 0).any(axis=1)) + 1
         path = np.insert(path - image * periods, breaks, np.nan, axis=0)
-        axes.plot(path[:, 0], path[:, 1], color=_COLOURS[particle % len(_COLOURS)], linewidth=1)
+        axes.plot(path[:, 0], path[:, 1], color=COLOURS[particle % len(COLOURS)], linewidth=1)
 
 
 def _draw_trajectories(axes: Axes, scene: Scene, time: Floats, positions: Floats) -> None:
     for particle in range(scene.number):
         path = positions[:, particle]
-        colour = _COLOURS[particle % len(_COLOURS)]
+        colour = COLOURS[particle % len(COLOURS)]
         across, up = (time, path[:, 0]) if scene.dimension == 1 else (path[:, 0], path[:, 1])
         axes.plot(across, up, color=colour, linewidth=1)
         good = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
@@ -300,39 +323,3 @@ def _draw_trajectories(axes: Axes, scene: Scene, time: Floats, positions: Floats
     else:
         axes.set(xlabel="x", ylabel="y")
         axes.set_aspect("equal", adjustable="datalim")
-
-
-# -- lattice gases -------------------------------------------------------------------------------------------
-
-
-def _draw_lattice_gas(axes: Axes, scene: Scene, run: Run) -> None:
-    """Speed of the blocks at the last sample, with arrows, and the walls."""
-    gas = scene.lattice_gas
-    assert gas is not None
-    velocities = gas_model(scene).velocities
-    height = gas.rows * velocities.row_height
-    axes.set(xlim=(0, gas.columns), ylim=(0, height), xlabel="x", ylabel="y", aspect="equal")
-    axes.grid(False)
-    populations = run.get("populations")
-    if populations is not None:
-        counts = populations[-1]
-        mass = counts.sum(axis=-1)
-        u = counts @ velocities.cartesian / np.where(mass > 0, mass, np.nan)[..., None]
-        speed = np.linalg.norm(u, axis=-1)
-        image = axes.imshow(speed.T, origin="lower", extent=(0, gas.columns, 0, height), aspect="equal")
-        assert axes.figure is not None
-        axes.figure.colorbar(image, ax=axes, label="speed", shrink=0.8)
-        each = max(1, max(speed.shape) // 24)
-        x = (np.arange(speed.shape[0]) + 0.5) * gas.columns / speed.shape[0]
-        y = (np.arange(speed.shape[1]) + 0.5) * height / speed.shape[1]
-        axes.quiver(
-            *np.meshgrid(x[::each], y[::each]),
-            u[::each, ::each, 0].T,
-            u[::each, ::each, 1].T,
-            color="white",
-            width=0.003,
-        )
-    walls = scene.wall_rules()
-    if walls is not None:
-        rows, columns = np.nonzero(walls)
-        axes.plot(columns, rows * velocities.row_height, ",", color="#d04f00")

@@ -1,28 +1,31 @@
-"""Runs any scene on one or more engines, and writes observables as CSV, trajectories, and one picture of all."""
+"""Runs any scene on one or more engines, and writes all that was recorded, trajectories, and one picture of all."""
 
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
-from importlib.resources import as_file, files
+from dataclasses import dataclass
+from importlib import resources
+from importlib.resources import as_file
 from pathlib import Path
-
-import numpy as np
 
 from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Pool
-from crosscheck.errors import EngineMissing, UsageError
+from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.scene import Floats, Method, Scene
+from crosscheck.simulate.arrays import write_arrays, write_places
+from crosscheck.simulate.files import file_labels, results_in
 from crosscheck.simulate.observables import Result, observables, write_observables
 from crosscheck.simulate.picture import draw_picture
+from crosscheck.simulate.progress import shown
+from crosscheck.simulate.summary import Difference, Row, compare, distances, endings, row
 from crosscheck.simulate.trajectory import write_trajectories
 
 
 def shipped_scenes() -> list[str]:
     """Names of the scenes that come with the package, sorted."""
-    directory = files("crosscheck") / "scenes"
+    directory = resources.files("crosscheck") / "scenes"
     return sorted(entry.name.removesuffix(".toml") for entry in directory.iterdir() if entry.name.endswith(".toml"))
 
 
@@ -32,41 +35,83 @@ def load(name: str | Path) -> Scene:
     name: path of a TOML file, or name of a shipped scene. UsageError if there is neither, or if the scene is not valid.
     """
     if not os.path.isfile(name) and str(name) in shipped_scenes():
-        with as_file(files("crosscheck") / "scenes" / f"{name}.toml") as shipped:
+        with as_file(resources.files("crosscheck") / "scenes" / f"{name}.toml") as shipped:
             return Scene.load(shipped)
     if os.path.lexists(name):
         return Scene.load(name)
     raise UsageError(f"{name}: there is no such file, nor a shipped scene; shipped are {', '.join(shipped_scenes())}")
 
 
-def simulate(scene: str | Path, engines: Sequence[str], out: Path, time_limit: float = TIME_LIMIT) -> list[Path]:
-    """Runs a scene on each engine with the scene's own method and writes the results; returns the paths of all files.
+@dataclass(frozen=True)
+class Simulation:
+    """What `simulate` did.
+
+    paths: of the files written. rows: how each run went. endings: sentences on runs that diverged or stopped, and
+    remarks of the engines. differences: of each pair of runs. failures: messages of engines that failed, whose runs are
+    lost, and of a picture that could not be drawn. remarks: on the files. whole: whether all runs went to their end.
+    """
+
+    paths: list[Path]
+    rows: list[Row]
+    endings: list[str]
+    differences: list[Difference]
+    failures: list[str]
+    remarks: list[str]
+    whole: bool
+
+
+def simulate(scene: str | Path, engines: Sequence[str], out: Path, time_limit: float = TIME_LIMIT) -> Simulation:
+    """Runs a scene on each engine with the scene's own method, and writes the results.
 
     scene: a TOML file, or the name of a shipped scene. engines: names, or path.py:Class, each once. out: the directory
-    to write to, made if it is not there: observables-<engine>.csv and trajectory-<engine>.<format> where the scene
-    records them, picture.png and picture.svg always. time_limit: seconds that one call of an engine may take.
+    to write to, made if it is not there. <engine> in the names of files is the name, or the file and the class:
+    arrays-<engine>.npz with all arrays; observables-<engine>.csv with what has a value per sample;
+    particles-, fields-, blocks-, rows- and sites-<engine>.csv with what has one per particle, cell ...;
+    trajectory-<engine>.<format>; each where the scene records such a thing; picture.png and picture.svg. Files of the
+    simulation before in this directory are removed. time_limit: seconds that one call of an engine may take.
 
-    UsageError if the scene is not valid or has no [method], and if an engine is missing or cannot run the scene.
+    UsageError if the scene is not valid or has no [method], if an engine is missing or cannot run the scene, and if
+    files cannot be written. EngineError if every engine failed.
     """
     loaded = load(scene)
     method = _method(loaded)
-    if len(set(engines)) < len(engines):
+    if len(set(map(_identity, engines))) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
     loaded.check_start()
-    pool = Pool(time_limit=time_limit)
-    try:
-        results = [_run(loaded, method, engine, pool) for engine in engines]
-    finally:
-        pool.close()
-    out.mkdir(parents=True, exist_ok=True)
-    written: list[Path] = []
-    for result in results:
-        name = re.sub(r"[^A-Za-z0-9_.-]+", "-", Path(result.engine).name)
-        if len(result.table) > 1:
-            written.append(write_observables(out / f"observables-{name}.csv", loaded, method, result))
-        written += write_trajectories(out, name, loaded, result.run)
-    compared = differences(*results) if len(results) == 2 else {}
-    return written + draw_picture(out, loaded, method, results, compared)
+    with results_in(out) as files:
+        results, kinds, failures = _run_all(loaded, method, engines, time_limit)
+        written: list[Path] = []
+        remarks: list[str] = []
+        for result in results:
+            name = result.engine
+            if len(result.table) > 1:
+                path = files.scratch / f"observables-{name}.csv"
+                written.append(write_observables(path, loaded, method, result))
+            written.append(write_arrays(files.scratch / f"arrays-{name}.npz", loaded, method, result))
+            paths, remark = write_places(files.scratch, name, loaded, method, result)
+            written += paths
+            remarks += [remark] if remark else []
+            written += write_trajectories(files.scratch, name, loaded, result.run)
+        compared = differences(*results) if len(results) == 2 else {}
+        try:
+            written += draw_picture(files.scratch, loaded, method, results, compared)
+        except Exception as error:  # the numbers of a long run must not be lost with its picture
+            failures.append(f"the picture cannot be drawn ({type(error).__name__}: {' '.join(str(error).split())})")
+        paths = files.put(written)
+    return Simulation(
+        paths=paths,
+        rows=[row(loaded, method, result, kinds[result.engine]) for result in results],
+        endings=[text for result in results for text in endings(loaded, result)],
+        differences=compare(loaded, results),
+        failures=failures,
+        remarks=remarks,
+        whole=not failures and not any(result.run.diverged or result.run.stopped for result in results),
+    )
+
+
+def _identity(engine: str) -> str:
+    """The same text for two spellings of one engine."""
+    return str(Path(engine).resolve()) if ".py:" in engine else engine
 
 
 def _method(scene: Scene) -> Method:
@@ -81,18 +126,46 @@ def _method(scene: Scene) -> Method:
     raise UsageError(f"scene {scene.name}: add [method] with {example}")
 
 
-def _run(scene: Scene, method: Method, engine: str, pool: Pool) -> Result:
+def _run_all(
+    scene: Scene, method: Method, engines: Sequence[str], time_limit: float
+) -> tuple[list[Result], dict[str, str], list[str]]:
+    """The runs, the kind of scheme of each by its label, and the messages of engines that failed.
+
+    EngineError if all failed.
+    """
+    labels = file_labels(engines)
+    results: list[Result] = []
+    failures: list[str] = []
+    kinds: dict[str, str] = {}
+    pool = Pool(time_limit=time_limit)
+    try:
+        for engine in engines:
+            try:
+                results.append(_run(scene, method, engine, labels[engine], pool))
+            except EngineError as error:
+                failures.append(str(error))
+                continue
+            kinds[labels[engine]] = engine_class(engine).schemes[method.scheme].kind
+    finally:
+        pool.close()
+    if not results:
+        raise EngineError("\n".join(failures))
+    return results, kinds, failures
+
+
+def _run(scene: Scene, method: Method, engine: str, label: str, pool: Pool) -> Result:
     """The run of one engine in its worker process; UsageError if the engine is missing or cannot run the scene."""
     worker = pool.worker(engine)
     schemes = engine_class(engine).schemes
-    try:
-        version, reason = worker.version(), worker.supports(scene, method)
-    except EngineMissing as missing:
-        raise UsageError(str(missing)) from None
-    if reason is not None:
-        raise UsageError(f"{engine} cannot run scene {scene.name}: {reason}; its schemes: {', '.join(schemes)}")
-    run = worker.run(scene, method)
-    return Result(engine, version, run, observables(scene, run))
+    with shown(label) as progress:
+        try:
+            version, reason = worker.version(), worker.supports(scene, method)
+        except EngineMissing as missing:
+            raise UsageError(str(missing)) from None
+        if reason is not None:
+            raise UsageError(f"{engine} cannot run scene {scene.name}: {reason}; its schemes: {', '.join(schemes)}")
+        run = worker.run(scene, method, progress)
+    return Result(label, version, run, observables(scene, run))
 
 
 def differences(one: Result, other: Result) -> dict[str, Floats]:
@@ -105,7 +178,7 @@ def differences(one: Result, other: Result) -> dict[str, Floats]:
     for name in ("total_energy", "kinetic_energy", "potential_energy", "pressure"):
         if name in one.table and name in other.table:
             found[name.replace("_", " ")] = abs(one.table[name] - other.table[name])
-    here, there = one.run.get("positions"), other.run.get("positions")
-    if here is not None and there is not None:
-        found["position of the farthest particle"] = np.linalg.norm(here - there, axis=2).max(axis=1)
+    apart = distances(one.run, other.run)
+    if apart is not None:
+        found["position of the farthest particle"] = apart
     return found

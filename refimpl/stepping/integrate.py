@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -133,12 +134,14 @@ def integrate(
     trajectory: bool = False,
     last: int | None = None,
     thermo: bool = False,
+    pace: Callable[[int], int] | None = None,
 ) -> Integration:
     """Takes `steps` steps of length `dt` with a scheme of `SCHEMES`.
 
     scheme: its name. force: a record with the functions of `forces.generic`. r, v: flat initial state, shape (N*d,),
     left untouched. every: steps between samples (default: one, at the end). trajectory: record r and v at the samples;
     last: only so many of their last coordinates. thermo: record kinetic energy, potential energy and virial there.
+    pace: called with the number of steps done; returns after how many more it is called again; None: never called.
     Raises KeyError for an unknown scheme, ValueError for bad sizes.
     """
     if steps < 0 or (every is not None and every < 1):
@@ -174,8 +177,9 @@ def integrate(
 
     done = 0
     while outcome != DIVERGED and done < steps:
+        until = steps if pace is None else min(steps, done + pace(done))
         (r, v, memory), done, outcome = _advance(
-            record, force, (r, v, memory), dt, done, steps, every, (positions, velocities), energies
+            record, force, (r, v, memory), dt, done, until, every, (positions, velocities), energies
         )
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
         if larger is not None:

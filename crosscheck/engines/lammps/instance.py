@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.engines.progress import Pace, report
 from crosscheck.engines.protocol import Run, sample_times, strides, timed
 from crosscheck.scene import Floats, Method, Scene, State
 
@@ -68,15 +69,22 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
         try:
             if "positions" in run and "velocities" in run:
                 for sample in range(1, times.size):
+                    report(sample / times.size)
                     lmp.command(f"run {every} pre no {whole}")
                     run["positions"][sample], run["velocities"][sample] = atoms.positions(), atoms.velocities()
                     if "angular_velocities" in run:
                         run["angular_velocities"][sample] = atoms.angular_velocities()
                 rest = steps % every
-                if rest:
-                    lmp.command(f"run {rest} pre no {whole}")
             else:
-                lmp.command(f"run {steps} pre no {whole}")
+                # in parts of whole samples, if somebody wants to see how far it is
+                pace, done = Pace(times.size), 0
+                while done < times.size - 1:
+                    part = min(times.size - 1 - done, pace.more(done))
+                    lmp.command(f"run {part * every} pre no {whole}")
+                    done += part
+                rest = steps - done * every
+            if rest:
+                lmp.command(f"run {rest} pre no {whole}")
         except Exception as error:
             if not any(part in str(error) for part in _DIVERGENCE):
                 raise

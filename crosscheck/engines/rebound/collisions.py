@@ -30,6 +30,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.engines.progress import report
 from crosscheck.engines.protocol import Cost, Run, sample_times, strides, timed
 from crosscheck.scene import Floats, Lattice, Method, Scene
 
@@ -91,6 +92,7 @@ def run_collisions(scene: Scene, method: Method, search: str) -> Run:
         for sample in range(1, times.size):
             gas.advance(every)
             record(sample)
+            report(sample * every / steps)
         gas.advance(steps % every)
     cost.steps, cost.events = steps, gas.collisions
 

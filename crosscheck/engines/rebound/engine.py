@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.engines.capabilities import capability
+from crosscheck.engines.progress import report
 from crosscheck.engines.protocol import Claims, Cost, Run, sample_times, strides, timed
 from crosscheck.engines.rebound.collisions import run_collisions, unsupported
 from crosscheck.scene import Floats, Method, Scene
@@ -107,6 +108,7 @@ class ReboundEngine:
             for sample in range(1, times.size):
                 _advance(simulation, method, every, times[sample])
                 record(sample)
+                report(sample * every / steps)
             if steps % every:
                 _advance(simulation, method, steps % every, steps * method.step)
         cost.steps = int(simulation.steps_done)

@@ -12,6 +12,7 @@ import numpy as np
 from numba import typeof
 
 from crosscheck import scene as scenes
+from crosscheck.engines.progress import Pace, stage
 from crosscheck.engines.protocol import Run, shapes, timed
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.errors import UsageError
@@ -42,6 +43,7 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
     with _as_usage_error(scene):
         model = hard_spheres(scene, state, lengths)
         started = time.perf_counter()
+        stage("compiling kernels")
         with one_at_a_time(f"events {scheduler} {typeof(model)}"):
             start = (model, state.positions - origin, state.velocities, state.angular_velocities)
             sim: Any
@@ -60,9 +62,10 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
             sim.run(until=0.0)  # compiles the loop
         run.cost.compile = time.perf_counter() - started
 
+    pace = Pace(output.collisions[-1] if output.collisions else scene.duration)
     for sample, count in enumerate(output.collisions or (None,) * (times.size - 1), 1):
         with timed(run.cost):
-            sim.run(until=times[sample] if count is None else scene.duration, collisions=count)
+            _advance(sim, pace, times[sample] if count is None else scene.duration, count)
         if sim.stopped:
             break
         if count is not None and sim.collisions < count:
@@ -72,7 +75,7 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
         _record(run, sample, sim, origin, tallied)
     if output.collisions is None:
         with timed(run.cost):
-            sim.run(until=scene.duration)
+            _advance(sim, pace, scene.duration, None)
     run.stopped = run.stopped or sim.stopped
     run.cost.events = sim.events
 
@@ -88,6 +91,16 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
     if "potential_energy_integral" in run:
         run["potential_energy_integral"] -= height * times
     return run
+
+
+def _advance(sim: Any, pace: Pace, until: float, collisions: int | None) -> None:
+    """`sim.run(until, collisions)`, in pieces of so many pair collisions as `pace` says: they change no bit of it."""
+    while not sim.stopped:
+        end = sim.collisions + pace.more(sim.time if collisions is None else sim.collisions)
+        end = end if collisions is None else min(end, collisions)
+        sim.run(until=until, collisions=end)
+        if sim.collisions < end or sim.collisions == collisions:
+            return
 
 
 def hard_spheres(scene: Scene, state: State, lengths: Floats) -> Any:

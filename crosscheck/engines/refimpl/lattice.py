@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.engines.progress import Pace, stage
 from crosscheck.engines.protocol import Cost, Run, shapes, timed
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Occupations, Scene
@@ -35,6 +36,7 @@ def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
     gas = _initial_gas(scene, scheme, kind)
     cost = Cost()
     started = time.perf_counter()
+    stage("compiling kernels")
     with one_at_a_time(f"{scheme} {_kernel_features(scene)}"):
         gas.advance(0)  # compiles, or loads from the cache
         _observed(scene, gas, set(scene.output.observables))
@@ -44,14 +46,15 @@ def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
     run = Run({name: np.zeros(shape) for name, shape in shapes(scene, times.size).items()}, cost=cost)
     run["time"] = times
     names = set(scene.output.observables) - {"sites"}
+    pace = Pace(scene.duration)
     reversals = list(scene.lattice_gas.reversals or ()) if scene.lattice_gas else []
     for sample, moment in enumerate(times):
         with timed(cost):
-            _advance(gas, int(moment), reversals)
+            _advance(gas, int(moment), reversals, pace)
         for name, value in _observed(scene, gas, names).items():
             run[name][sample] = value
     with timed(cost):
-        _advance(gas, int(scene.duration), reversals)
+        _advance(gas, int(scene.duration), reversals, pace)
     if "sites" in scene.output.observables:
         run["sites"] = gas.sites
     cost.steps = int(scene.duration)
@@ -84,13 +87,14 @@ def _kernel_features(scene: Scene) -> str:
     return f"{gas.model} {bool(gas.obstacles)} {drawn} {gas.force is not None}"
 
 
-def _advance(gas: Any, moment: int, reversals: list[int]) -> None:
+def _advance(gas: Any, moment: int, reversals: list[int], pace: Pace) -> None:
     """Advances the gas to step `moment`; reversals on the way are done, and removed from the list."""
-    while reversals and reversals[0] <= moment:
-        gas.advance(reversals[0] - gas.time)
-        gas.reverse()
-        reversals.pop(0)
-    gas.advance(moment - gas.time)
+    while gas.time < moment:
+        until = min(moment, reversals[0]) if reversals else moment
+        gas.advance(min(until - gas.time, pace.more(gas.time)))
+        if reversals and gas.time == reversals[0]:
+            gas.reverse()
+            reversals.pop(0)
 
 
 def _observed(scene: Scene, gas: Any, wanted: set[str]) -> dict[str, Floats]:

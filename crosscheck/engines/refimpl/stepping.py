@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
+from crosscheck.engines.progress import Pace, stage
 from crosscheck.engines.protocol import Cost, Run, sample_times, timed
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
@@ -40,6 +41,7 @@ def integrated(
     steps, every = scene.steps(dt), scene.every(dt)
     started = time.perf_counter()
     forces_type = str(typeof(force))
+    stage("compiling kernels")
     with one_at_a_time(forces_type):
         integrate(method.scheme, force, r, v, dt, 0, thermo=thermo)  # compiles the forces
     if steps:
@@ -49,7 +51,17 @@ def integrated(
 
     with timed(cost):
         done = integrate(
-            method.scheme, force, r, v, dt, steps, every=every, trajectory=trajectory, last=last, thermo=thermo
+            method.scheme,
+            force,
+            r,
+            v,
+            dt,
+            steps,
+            every=every,
+            trajectory=trajectory,
+            last=last,
+            thermo=thermo,
+            pace=Pace(steps).more,
         )
     cost.steps, cost.evaluations = done.steps, done.evaluations
     return done, cost

@@ -77,11 +77,14 @@ class Worker:
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         return self._checked(lambda reply: border.reason(reply["reason"]), {"call": "supports", **texts})
 
-    def run(self, scene: Scene, method: Method) -> Run:
-        """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it."""
+    def run(self, scene: Scene, method: Method, progress: Path | None = None) -> Run:
+        """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it.
+
+        progress: the file to which the engine reports how far it is, see `crosscheck.engines.progress`; None: none.
+        """
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         path = Path(self._directory.name) / "run.npz"
-        request = {"call": "run", "path": str(path), **texts}
+        request = {"call": "run", "path": str(path), "progress": progress and str(progress), **texts}
         try:
             return self._checked(lambda reply: self._arrived(reply, path, scene, method), request)
         finally:

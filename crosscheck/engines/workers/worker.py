@@ -11,10 +11,12 @@ import traceback
 from collections.abc import Mapping
 from contextlib import suppress
 from json import dumps, loads
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from crosscheck.engines import progress
 from crosscheck.engines.capabilities import refusal
 from crosscheck.engines.protocol import Claims, Engine
 from crosscheck.engines.registry import load_class
@@ -30,8 +32,8 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     """The answer to one request.
 
     engine: an instance. request: "call" is "version", "supports" or "run"; the latter two hold "scene" and "method" as
-    JSON texts, and "run" the "path" of the file for the arrays. UsageError for a mistake in scene or method; Misfit if
-    the engine returns what it should not; any exception of the engine.
+    JSON texts, and "run" the "path" of the file for the arrays, and perhaps that for the "progress". UsageError for a
+    mistake in scene or method; Misfit if the engine returns what it should not; any exception of the engine.
     """
     if request["call"] == "version":
         return {"version": border.version(engine.version())}
@@ -45,6 +47,8 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     if reason is not None:
         return {"unsupported": reason}
     _check_step(engine.schemes[method.scheme], method)
+    progress.listen(Path(request["progress"]) if request.get("progress") else None)
+    progress.stage("preparing the start")
     given, rest = border.outcome(engine.run(wanted, method))
     arrays = border.arrays(given, wanted, method, diverged=rest["diverged"], stopped=rest["stopped"])
     np.savez(request["path"], allow_pickle=False, **_asked_arrays(arrays, scene, method))
