@@ -278,8 +278,8 @@ def _float64(name: str, value: Any) -> Floats:
     if array.dtype.kind not in "fiu":
         raise Misfit(f"{what} holds {array.dtype} in place of float64: {shown(value)}")
     converted = array.astype(np.float64, copy=False)
-    if array.dtype.itemsize >= 8 and array.dtype.kind in "iu" and (abs(converted) > 2.0**53).any():
-        raise Misfit(f"{what} holds integers beyond 2^53, which float64 does not hold")
+    if array.dtype.itemsize >= 8 and array.dtype.kind in "iu" and (abs(converted) >= 2.0**53).any():
+        raise Misfit(f"{what} holds integers of 2^53 and more, which float64 does not hold")
     if array.dtype.itemsize > 8 and not np.array_equal(converted, array, equal_nan=True):
         raise Misfit(f"{what} holds {array.dtype}, which float64 does not hold: round it to float64")
     return np.asarray(converted)
