@@ -227,11 +227,11 @@ def run(
         # the last record in this directory is kept, in case it is of an interrupted run that was to be resumed
         (directory / FILE).replace(directory / f"previous-{FILE}")
     record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
+    at_a_time = _that_pay(jobs, len(cases))
     display = _Display(len(cases))
     started = time.perf_counter()
     try:
-        at_a_time = _that_pay(jobs, len(cases))
-        for verdict in runner.run(cases, seed, at_a_time, display.started, time_limit=time_limit):
+        for verdict in runner.run(cases, seed, at_a_time, display.started, None, time_limit):
             record.append(verdict)
             display.finished(verdict)
     except KeyboardInterrupt as interrupt:

@@ -1,8 +1,9 @@
 """What an engine is: a small protocol, and the `Run` that it returns.
 
 To add one: a class with these members, named by an entry point of group `crosscheck.engines` or by
-`--engine path.py:Class`. Import heavy packages inside the methods: the suite's own process imports the class too, to
-read `name`, `schemes` and `capabilities`. See `docs/engines.md` and `examples/`.
+`--engine path.py:Class`. Import heavy packages inside the methods: `name`, `schemes` and `capabilities` are read before
+anything is run. What is returned is checked by `crosscheck.engines.workers.border`. See `docs/engines.md` and
+`examples/`.
 """
 
 from __future__ import annotations
@@ -89,6 +90,8 @@ class Run(dict[str, Floats]):
         remarks: Sequence[str] = (),
         **named: Floats,
     ) -> None:
+        if isinstance(remarks, str):
+            raise TypeError("remarks of a run: give a list of sentences, not one text")
         super().__init__({**(arrays or {}), **named})
         self.diverged = diverged
         self.stopped = stopped

@@ -130,7 +130,14 @@ def test_a_mistake_is_one_line_and_status_2(crosscheck: Any, tmp_path: Path, wor
     assert message in line
 
 
-@pytest.mark.parametrize("words", [["run", "--no-such-option"], ["fly"], ["run", "--jobs", "0"]])
+BAD_LIMITS = [
+    [*words, "--time-limit", limit]
+    for words in (["run"], ["prove"], ["simulate", "fall"])
+    for limit in ("0", "-1", "nan", "x")
+]
+
+
+@pytest.mark.parametrize("words", [["run", "--no-such-option"], ["fly"], ["run", "--jobs", "0"], *BAD_LIMITS])
 def test_words_that_are_not_understood(crosscheck: Any, words: list[str]) -> None:
     done = crosscheck(*words)
     assert done.status == 2
@@ -345,3 +352,123 @@ def test_a_fault_that_no_longer_matches_is_status_2(crosscheck: Any, monkeypatch
     assert done.status == 2
     assert "fault 'planted': its text occurs 0 times in refimpl/stepping/schemes.py, not once" in done.err
     assert "Traceback" not in done.err
+
+
+# -- engines that are not as they should be, and limits -----------------------------------------------------
+
+
+def engine_file(directory: Path, old: str, new: str) -> str:
+    """The name of the engine above with one text replaced."""
+    assert CRASHING.count(old) == 1
+    (directory / "engine.py").write_text(CRASHING.replace(old, new))
+    return f"{directory / 'engine.py'}:Engine"
+
+
+@pytest.mark.parametrize("answer", ["True", "False", "''", "5"])
+def test_an_answer_that_is_no_reason_is_an_error_not_a_skip(crosscheck: Any, tmp_path: Path, answer: str) -> None:
+    name = engine_file(tmp_path, "return None", f"return {answer}")
+    done = crosscheck("run", CASE, "-e", name, "-o", tmp_path / "out")
+    assert done.status == 1
+    (line,) = read(tmp_path / "out")
+    assert line["outcome"] == "error"
+    assert line["message"].startswith(f"{name}: supports() returned {answer}: return None if it can run the scene")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('{"velocity_verlet": Claims((2, 2), (1, 1))}', "{}", "schemes is {}: give a dict of at least one name"),
+        ('{"velocity_verlet": Claims((2, 2), (1, 1))}', "['euler']", "schemes is ['euler']: give a dict"),
+        ('{"velocity_verlet": Claims((2, 2), (1, 1))}', "None", "schemes is None: give a dict"),
+        ("import os\n", "import os; os._exit(0)\n", "ended with exit status 0"),
+        ("import os\n", "import sys; sys.exit(0)\n", "ended with exit status 0"),
+        ("import os\n", "import no_such_module\n", "cannot be imported (ModuleNotFoundError: No module named"),
+    ],
+)
+def test_what_an_engine_declares_is_read_before_the_run(
+    crosscheck: Any, tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    name = engine_file(tmp_path, old, new)
+    for words in (["run", CASE], ["simulate", "damped-oscillator"]):
+        done = crosscheck(*words, "-e", name, "-o", tmp_path / "out")
+        assert (done.status, done.out) == (2, "")
+        assert done.err.startswith(f"crosscheck: engine '{name}': ")
+        assert message in done.err
+        assert "Traceback" not in done.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_engine_is_not_imported_by_the_suite(crosscheck: Any, tmp_path: Path) -> None:
+    """Nothing that its file does to its process reaches what judges it; and it can import what lies beside it."""
+    (tmp_path / "neighbour.py").write_text("import json\nVERSION = '7'\njson.loads = None\n")
+    name = engine_file(tmp_path, "import os\n", "import os, neighbour\n")
+    crosscheck("run", CASE, "-e", name, "-o", tmp_path / "out")
+    (line,) = read(tmp_path / "out")
+    assert "was killed by signal 6" in line["message"], "it crashed where it was to run, so it was imported"
+    assert "neighbour" not in sys.modules
+    assert json.loads is not None
+
+
+@pytest.mark.parametrize("words", [["run", CASE], ["simulate", "oscillator"]])
+def test_the_time_limit_of_a_call_is_an_option(crosscheck: Any, tmp_path: Path, words: list[str]) -> None:
+    (tmp_path / "oscillator.toml").write_text(TINY)
+    name = engine_file(tmp_path, "os.abort()", "__import__('time').sleep(1000)")
+    words = [str(tmp_path / "oscillator.toml") if word == "oscillator" else word for word in words]
+    done = crosscheck(*words, "-e", name, "-o", tmp_path / "out", "--time-limit", "1.5")
+    assert done.status == 1
+    assert "gave no answer within 1.5 s and was stopped" in done.out + done.err
+
+
+TINY = """
+name = "tiny"
+dimension = 1
+duration = 0.1
+spring = { k = 1.0 }
+initial = { kind = "explicit", positions = [[1.0]] }
+method = { scheme = "velocity_verlet", dt = 0.1 }
+"""
+
+
+def test_more_jobs_than_pay_are_not_started(crosscheck: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda pid: {0, 1, 2, 3})
+    done = crosscheck("run", CASE, "-e", "refimpl", "-o", tmp_path, "--jobs", 1000)
+    assert done.status == 0
+    assert "crosscheck: --jobs 1000: 1 at a time, for there are 1 to do on 4 cores" in done.out
+
+
+# -- streams that are closed ---------------------------------------------------------------------------------
+
+
+def closed_command(closed: tuple[int, ...], *words: str | Path) -> subprocess.CompletedProcess[str]:
+    """Runs `crosscheck <words>` in a process with some of its standard streams closed, as `<&-` does."""
+
+    def close() -> None:
+        for number in closed:
+            os.close(number)
+
+    return subprocess.run(
+        [sys.executable, "-P", "-m", "crosscheck.cli", *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        preexec_fn=close,
+    )
+
+
+@pytest.mark.parametrize("closed", [(), (0,), (1,), (2,), (0, 1), (0, 2), (1, 2), (0, 1, 2)])
+def test_standard_streams_are_open_whatever_was_closed(closed: tuple[int, ...]) -> None:
+    done = closed_command(closed, "--help")
+    assert done.returncode == 0
+    assert ("Usage" in done.stdout) == (1 not in closed)
+    assert done.stderr == ""
+
+
+def test_closed_streams_make_no_errors(tmp_path: Path) -> None:
+    done = closed_command((0, 1, 2), "run", CASE, "-e", "refimpl", "-o", tmp_path / "out")
+    assert done.returncode == 0
+    assert [line["outcome"] for line in read(tmp_path / "out")] == ["pass"]
+    (tmp_path / "tiny.toml").write_text(TINY)
+    done = closed_command((0, 1, 2), "simulate", tmp_path / "tiny.toml", "-o", tmp_path / "out")
+    assert done.returncode == 0
+    assert (tmp_path / "out" / "picture.png").is_file()

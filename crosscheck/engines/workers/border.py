@@ -55,13 +55,13 @@ def shown(value: object) -> str:
 
 
 def capped(text: str, longest: int = LONGEST_TEXT) -> str:
-    """The text with at most so many characters; what no file can hold (lone surrogates) becomes a question mark."""
+    """The text with at most `longest` characters; what no file can hold (lone surrogates) becomes a question mark."""
     whole = text if len(text) <= longest else f"{text[:longest]} ... ({len(text)} characters)"
     return whole.encode(errors="replace").decode()
 
 
 def described(error: BaseException) -> str:
-    """Type and message of an exception, capped, whatever its own `str` does."""
+    """Type and message of the exception `error`, capped, whatever its own `str` does."""
     try:
         return f"{type(error).__name__}: {capped(str(error))}"
     except BaseException:
@@ -76,12 +76,12 @@ def _text(value: object, what: str, mend: str, longest: int = LONGEST_TEXT) -> s
 
 
 def version(value: object) -> str:
-    """What `Engine.version` returned; Misfit if it is not a text."""
+    """What `Engine.version` returned, as a text. value: as it came; Misfit if it is no text or blank."""
     return _text(value, "version() returned", "return a text that is not empty", LONGEST_VERSION)
 
 
 def reason(value: object) -> str | None:
-    """What `Engine.supports` returned; Misfit if it is neither None nor a text."""
+    """What `Engine.supports` returned. value: as it came; Misfit if it is neither None nor a text that is not blank."""
     mend = "return None if it can run the scene, or why not, as a text"
     return None if value is None else _text(value, "supports() returned", mend)
 
@@ -165,7 +165,7 @@ def _capability(one: object, claims: Mapping[str, dict[str, Any]]) -> dict[str, 
 
 
 def declared(values: Mapping[str, Any]) -> type[Engine]:
-    """A class with the attributes of an engine and none of its code, from what `declarations` gave."""
+    """A class with the attributes of an engine and none of its code. values: what `declarations` gave."""
     orders = ("order", "order_damped")
     schemes = {
         name: Claims(**claims | {key: claims[key] and tuple(claims[key]) for key in orders})
@@ -213,7 +213,7 @@ def outcome(run: object) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def cost(given: object) -> Cost:
-    """A cost in plain numbers; numpy's scalars are converted. Misfit for what is no cost."""
+    """A cost in plain numbers. given: as it came, numpy's scalars are converted; Misfit for what is no cost."""
     if not isinstance(given, Cost):
         raise Misfit(f"run.cost is {shown(given)}: give a Cost of crosscheck.engines.protocol")
     found: dict[str, Any] = {}
@@ -278,8 +278,8 @@ def _float64(name: str, value: Any) -> Floats:
     if array.dtype.kind not in "fiu":
         raise Misfit(f"{what} holds {array.dtype} in place of float64: {shown(value)}")
     converted = array.astype(np.float64, copy=False)
-    if array.dtype.itemsize >= 8 and array.dtype.kind in "iu" and (abs(converted) > 2.0**53).any():
-        raise Misfit(f"{what} holds integers beyond 2^53, which float64 does not hold")
+    if array.dtype.itemsize >= 8 and array.dtype.kind in "iu" and (abs(converted) >= 2.0**53).any():
+        raise Misfit(f"{what} holds integers of 2^53 and more, which float64 does not hold")
     if array.dtype.itemsize > 8 and not np.array_equal(converted, array, equal_nan=True):
         raise Misfit(f"{what} holds {array.dtype}, which float64 does not hold: round it to float64")
     return np.asarray(converted)

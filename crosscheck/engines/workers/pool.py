@@ -173,6 +173,10 @@ class Worker:
         except BaseException:
             self._stop()  # what it answers later would be taken for the answer to another request
             raise
+        return self._granted(reply)
+
+    def _granted(self, reply: dict[str, Any]) -> dict[str, Any]:
+        """The answer, if it is none of those that say why there is no other."""
         if "missing" in reply:
             raise EngineMissing(f"{self.engine}: {reply['missing']}")
         if "usage" in reply:
