@@ -26,7 +26,7 @@ from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
-from crosscheck.files import refuse_no_directory, refuse_unwritable
+from crosscheck.files import naming, refuse_no_directory, refuse_unwritable
 from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_torn, provenance, read, shown
 from crosscheck.verdict import Verdict
 
@@ -313,7 +313,9 @@ def simulate(scene: Path, engine_list: list[str], out: Path) -> None:
     from crosscheck.simulate.run import simulate as simulate_scene
 
     refuse_no_directory(out, "the files")
-    for path in simulate_scene(scene, engine_list, out):
+    with naming(out):
+        written = simulate_scene(scene, engine_list, out)
+    for path in written:
         print(path)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from crosscheck.errors import UsageError
@@ -62,6 +64,20 @@ def refuse_no_directory(path: Path, what: str) -> None:
         if not os.access(place, os.W_OK | os.X_OK):
             raise UsageError(f"{path}: no place for {what} (permission denied in {place}): give another path")
         return
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Gives an OSError within the block the name of the file that is written, where it has none, as of a full disk.
+
+    path: of the file.
+    """
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None:
+            error.filename = str(path)
+        raise
 
 
 def _status(path: Path) -> os.stat_result | None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.errors import UsageError
-from crosscheck.files import unreadable
+from crosscheck.files import naming, unreadable
 from crosscheck.record_form import check_form, parse
 from crosscheck.text import shortened
 from crosscheck.verdict import Verdict
@@ -81,7 +81,7 @@ class Record:
             "time": datetime.now(UTC).isoformat(timespec="seconds"),
             "provenance": self._source,
         }
-        with self.path.open("a", encoding="utf-8") as file:
+        with naming(self.path), self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line, allow_nan=False) + "\n")
             file.flush()
             os.fsync(file.fileno())
@@ -96,10 +96,9 @@ def read(path: Path) -> list[Line]:
     read, or a line is not a verdict of a schema up to this one; it names the line, and what is wrong with it.
     """
     file = path / FILE if path.is_dir() else path
-    whole, _, _ = _content(path, file).rpartition(b"\n")
     lines: dict[tuple[str, str], Line] = {}
     # line ends are those of JSON lines only: texts may hold others, such as U+2028
-    for number, data in enumerate(whole.split(b"\n") if whole else (), 1):
+    for number, data in enumerate(_content(path, file).split(b"\n")[:-1], 1):
         try:
             line = _verdict(data)
         except _OtherSchemaError as error:

@@ -19,7 +19,18 @@ from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, 
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
 from crosscheck.scene.observables import FRICTION, Matter, Observable, asked_for
-from crosscheck.scene.parts import INTERACTIONS, Explicit, File, Floats, Kepler, Lattice, LennardJones, Occupations, SceneEntries
+from crosscheck.scene.parts import (
+    INTERACTIONS,
+    LEAST,
+    Explicit,
+    File,
+    Floats,
+    Kepler,
+    Lattice,
+    LennardJones,
+    Occupations,
+    SceneEntries,
+)
 from crosscheck.scene.sizes import refuse_large, refuse_large_start
 from crosscheck.scene.starts import (
     State,
@@ -56,8 +67,10 @@ class Scene(SceneEntries):
             raise ValueError(f"give exactly one of {names}; found {found}")
         if given[0] in ("lennard_jones", "hard_spheres") and self.dimension == 1:
             raise ValueError(f"[{given[0]}] needs dimension 2 or 3")
-        if self.gravity is None and isinstance(self.masses, tuple) and 0.0 in self.masses:
-            raise ValueError("masses: a particle without mass moves with [gravity] only; give it one")
+        if self.gravity is None and isinstance(self.masses, tuple) and min(self.masses, default=1.0) < LEAST:
+            raise ValueError(
+                f"masses: a particle without mass moves with [gravity] only; give it one of at least {LEAST:g}"
+            )
         if self.box is not None:
             for key in ("lengths", "boundaries"):
                 value = getattr(self.box, key)
@@ -290,8 +303,8 @@ class Scene(SceneEntries):
         """The initial state of the particles, the same for every engine.
 
         UsageError if numbers of masses or species do not fit, if two particles are at the same place (springs: they may
-        be), if hard spheres overlap or are not inside their walls, if a number overflows, or if there are more particles
-        than the memory holds.
+        be), if hard spheres overlap or are not inside their walls, if a number overflows, or if there is too little
+        memory.
         """
         refuse_large_start(self)
         lengths = self.lengths()
