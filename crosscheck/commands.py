@@ -209,12 +209,11 @@ def run(
         raise UsageError(f"--tier {tier}: unknown; take quick or full")
     cases = runner.select(patterns, tier, engine_list or engine_names())
     directory = resume or out
-    if resume is None:
-        refuse_no_directory(directory, "the record")
+    before = [] if resume is None else read(resume)
+    refuse_no_directory(directory, "the record")
     for path in (directory / FILE, directory / REPORT, *([] if junit is None else [junit])):
         refuse_unwritable(path)
     if resume is not None:
-        before = read(resume)
         _say_if_torn(resume)
         if any(line["provenance"]["seed"] != seed for line in before):
             raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start a new run")

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.errors import UsageError
-from crosscheck.files import naming, unreadable
+from crosscheck.files import naming, shown_path, unreadable
 from crosscheck.record_form import check_form, parse
 from crosscheck.text import shortened
 from crosscheck.verdict import Verdict
@@ -97,14 +97,15 @@ def read(path: Path) -> list[Line]:
     """
     file = path / FILE if path.is_dir() else path
     lines: dict[tuple[str, str], Line] = {}
+    name = shown_path(file)
     # line ends are those of JSON lines only: texts may hold others, such as U+2028
     for number, data in enumerate(_content(path, file).split(b"\n")[:-1], 1):
         try:
             line = _verdict(data)
         except _OtherSchemaError as error:
-            raise UsageError(f"{file}:{number}: {error}") from None
+            raise UsageError(f"{name}:{number}: {error}") from None
         except ValueError as error:
-            raise UsageError(f"{file}:{number}: not a verdict: {error}; mend or remove the line") from None
+            raise UsageError(f"{name}:{number}: not a verdict: {error}; mend or remove the line") from None
         lines[case_name(line), line["engine"]] = line
     return list(lines.values())
 
@@ -122,10 +123,10 @@ def is_torn(path: Path) -> bool:
 def _content(path: Path, file: Path) -> bytes:
     """The bytes of a record, without a byte order mark, which editors may add."""
     if not os.path.lexists(file):
-        raise UsageError(f"{path}: there is no {FILE}; give the directory of a run")
+        raise UsageError(f"{shown_path(path)}: there is no {FILE}; give the directory of a run")
     reason = unreadable(file)
     if reason:
-        raise UsageError(f"{file}: cannot be read ({reason}); give the directory of a run")
+        raise UsageError(f"{shown_path(file)}: cannot be read ({reason}); give the directory of a run")
     return file.read_bytes().removeprefix(BOM_UTF8)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError, model_validator
 
 from crosscheck.errors import UsageError
-from crosscheck.files import unreadable
+from crosscheck.files import shown_path, unreadable
 from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, refuse_hard_spheres_entries
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
@@ -121,23 +121,23 @@ class Scene(SceneEntries):
         path = Path(path)
         reason = unreadable(path)
         if reason:
-            raise UsageError(f"{path}: cannot be read ({reason}); give the path of a scene file")
+            raise UsageError(f"{shown_path(path)}: cannot be read ({reason}); give the path of a scene file")
         try:
             table = json.dumps(tomllib.loads(path.read_bytes().decode("utf-8-sig")), default=str)
         except ValueError as error:  # of the encoding, the text, or a number with more digits than Python converts
-            raise UsageError(f"{path}: not valid TOML: {shortened(str(error), 300)}") from None
+            raise UsageError(f"{shown_path(path)}: not valid TOML: {shortened(str(error), 300)}") from None
         except RecursionError:
-            raise UsageError(f"{path}: not valid TOML: tables or lists are nested too deeply") from None
-        scene = cls.from_json(table, str(path))
+            raise UsageError(f"{shown_path(path)}: not valid TOML: tables or lists are nested too deeply") from None
+        scene = cls.from_json(table, shown_path(path))
         if isinstance(scene.initial, File):
             place = path.parent / scene.initial.path
             reason = unreadable(place)
             if reason:
-                raise UsageError(f"initial.path = {place}: cannot be read as a configuration ({reason})")
+                raise UsageError(f"initial.path = {shown_path(place)}: cannot be read as a configuration ({reason})")
             try:
                 scene = scene.changed(initial=read_configuration(place, scene.dimension))
             except ValidationError as error:
-                raise UsageError(explain(error, f"initial.path = {place}", cls)) from None
+                raise UsageError(explain(error, f"initial.path = {shown_path(place)}", cls)) from None
         return scene
 
     def to_json(self) -> str:

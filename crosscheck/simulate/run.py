@@ -13,6 +13,7 @@ import numpy as np
 from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EngineMissing, UsageError
+from crosscheck.files import shown_path
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.simulate.observables import Result, observables, write_observables
 from crosscheck.simulate.picture import draw_picture
@@ -35,7 +36,9 @@ def load(name: str | Path) -> Scene:
             return Scene.load(shipped)
     if os.path.lexists(name):
         return Scene.load(name)
-    raise UsageError(f"{name}: there is no such file, nor a shipped scene; shipped are {', '.join(shipped_scenes())}")
+    raise UsageError(
+        f"{shown_path(name)}: there is no such file, nor a shipped scene; shipped are {', '.join(shipped_scenes())}"
+    )
 
 
 def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]:
