@@ -67,7 +67,7 @@ def refuse_no_directory(path: Path, what: str) -> None:
             continue
         if not stat.S_ISDIR(found.st_mode):
             raise UsageError(
-                f"{shown_path(path)}: cannot be a directory for {what} ({shown_path(place)} is a file): give another path"
+                f"{shown_path(path)}: cannot be a directory for {what} ({shown_path(place)} is a file): take another"
             )
         if not os.access(place, os.W_OK | os.X_OK):
             raise UsageError(

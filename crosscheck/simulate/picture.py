@@ -59,7 +59,8 @@ def draw_picture(
     with matplotlib.rc_context(style), np.errstate(all="ignore"):
         figure = Figure(figsize=(max(5.5, 4.6 * len(results)), sum(heights) + 0.5), layout="constrained")
         FigureCanvasAgg(figure)
-        figure.suptitle(f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}", parse_math=False)
+        title = f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}"
+        figure.suptitle(printable(title), parse_math=False)
         grid = figure.add_gridspec(len(heights), len(results), height_ratios=heights)
         energy_axes: Axes | None = None
         for column, result in enumerate(results):
