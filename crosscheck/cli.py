@@ -194,8 +194,10 @@ def main() -> None:
         _complain(str(error), 1)
     except OSError as error:
         _drop_output()
-        where = "" if error.filename is None else f"{os.fsdecode(error.filename)}: "
-        _complain(f"{where}{error.strerror or error}", 2)
+        from crosscheck.files import shown_path
+
+        where = "output" if error.filename is None else shown_path(os.fsdecode(error.filename))
+        _complain(f"{where}: {error.strerror or error}", 2)
     except MemoryError:
         _complain("not enough memory: take fewer particles, samples or cells", 2)
 

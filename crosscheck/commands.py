@@ -28,7 +28,7 @@ from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
-from crosscheck.files import refuse_no_directory, refuse_unwritable
+from crosscheck.files import naming, refuse_no_directory, refuse_unwritable
 from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_torn, provenance, read, shown
 from crosscheck.verdict import Verdict
 
@@ -212,12 +212,11 @@ def run(
         raise UsageError(f"--tier {tier}: unknown; take quick or full")
     cases = runner.select(patterns, tier, engine_list or engine_names())
     directory = resume or out
-    if resume is None:
-        refuse_no_directory(directory, "the record")
+    before = [] if resume is None else read(resume)
+    refuse_no_directory(directory, "the record")
     for path in (directory / FILE, directory / REPORT, *([] if junit is None else [junit])):
         refuse_unwritable(path)
     if resume is not None:
-        before = read(resume)
         _say_if_torn(resume)
         if any(line["provenance"]["seed"] != seed for line in before):
             raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start a new run")
@@ -331,7 +330,8 @@ def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float =
     from crosscheck.simulate.summary import LEVELS
 
     refuse_no_directory(out, "the files")
-    done = simulate_scene(scene, engine_list, out, time_limit)
+    with naming(out):
+        done = simulate_scene(scene, engine_list, out, time_limit)
     console = _console()
     table = Table(box=None, pad_edge=False)
     for title in ("engine", "method"):

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from crosscheck.errors import UsageError
+from crosscheck.text import printable
 
 _KINDS = {
     stat.S_IFDIR: "a directory",
@@ -15,6 +18,11 @@ _KINDS = {
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
 }
+
+
+def shown_path(path: str | Path) -> str:
+    """The path as messages show it, on one line. path: of any file."""
+    return printable(str(path))
 
 
 def unreadable(path: Path) -> str:
@@ -41,9 +49,9 @@ def refuse_unwritable(path: Path) -> None:
     found = _status(path)
     if found is not None:
         if stat.S_ISDIR(found.st_mode):
-            raise UsageError(f"{path}: is a directory, and a file is to be written: give another path")
+            raise UsageError(f"{shown_path(path)}: is a directory, and a file is to be written: give another path")
         if not os.access(path, os.W_OK):
-            raise UsageError(f"{path}: cannot be written (permission denied): give another path")
+            raise UsageError(f"{shown_path(path)}: cannot be written (permission denied): give another path")
         return
     refuse_no_directory(path.parent, path.name)
 
@@ -58,10 +66,28 @@ def refuse_no_directory(path: Path, what: str) -> None:
         if found is None:
             continue
         if not stat.S_ISDIR(found.st_mode):
-            raise UsageError(f"{path}: cannot be a directory for {what} ({place} is a file): give another path")
+            raise UsageError(
+                f"{shown_path(path)}: cannot be a directory for {what} ({shown_path(place)} is a file): take another"
+            )
         if not os.access(place, os.W_OK | os.X_OK):
-            raise UsageError(f"{path}: no place for {what} (permission denied in {place}): give another path")
+            raise UsageError(
+                f"{shown_path(path)}: no place for {what} (permission denied in {shown_path(place)}): give another path"
+            )
         return
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Gives an OSError within the block the name of the file that is written, where it has none, as of a full disk.
+
+    path: of the file.
+    """
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None:
+            error.filename = str(path)
+        raise
 
 
 def _status(path: Path) -> os.stat_result | None:
@@ -71,6 +97,6 @@ def _status(path: Path) -> os.stat_result | None:
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}; give another path") from None
+        raise UsageError(f"{shown_path(path)}: {error.strerror}; give another path") from None
     except ValueError:  # a null character, or a surrogate that stands for no byte
-        raise UsageError(f"{str(path)!r}: cannot be the name of a file; give another path") from None
+        raise UsageError(f"{shown_path(path)}: cannot be the name of a file; give another path") from None

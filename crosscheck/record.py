@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.errors import UsageError
-from crosscheck.files import unreadable
+from crosscheck.files import naming, shown_path, unreadable
 from crosscheck.record_form import check_form, parse
 from crosscheck.text import shortened
 from crosscheck.verdict import Verdict
@@ -81,7 +81,7 @@ class Record:
             "time": datetime.now(UTC).isoformat(timespec="seconds"),
             "provenance": self._source,
         }
-        with self.path.open("a", encoding="utf-8") as file:
+        with naming(self.path), self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line, allow_nan=False) + "\n")
             file.flush()
             os.fsync(file.fileno())
@@ -96,16 +96,16 @@ def read(path: Path) -> list[Line]:
     read, or a line is not a verdict of a schema up to this one; it names the line, and what is wrong with it.
     """
     file = path / FILE if path.is_dir() else path
-    whole, _, _ = _content(path, file).rpartition(b"\n")
     lines: dict[tuple[str, str], Line] = {}
+    name = shown_path(file)
     # line ends are those of JSON lines only: texts may hold others, such as U+2028
-    for number, data in enumerate(whole.split(b"\n") if whole else (), 1):
+    for number, data in enumerate(_content(path, file).split(b"\n")[:-1], 1):
         try:
             line = _verdict(data)
         except _OtherSchemaError as error:
-            raise UsageError(f"{file}:{number}: {error}") from None
+            raise UsageError(f"{name}:{number}: {error}") from None
         except ValueError as error:
-            raise UsageError(f"{file}:{number}: not a verdict: {error}; mend or remove the line") from None
+            raise UsageError(f"{name}:{number}: not a verdict: {error}; mend or remove the line") from None
         lines[case_name(line), line["engine"]] = line
     return list(lines.values())
 
@@ -123,10 +123,10 @@ def is_torn(path: Path) -> bool:
 def _content(path: Path, file: Path) -> bytes:
     """The bytes of a record, without a byte order mark, which editors may add."""
     if not os.path.lexists(file):
-        raise UsageError(f"{path}: there is no {FILE}; give the directory of a run")
+        raise UsageError(f"{shown_path(path)}: there is no {FILE}; give the directory of a run")
     reason = unreadable(file)
     if reason:
-        raise UsageError(f"{file}: cannot be read ({reason}); give the directory of a run")
+        raise UsageError(f"{shown_path(file)}: cannot be read ({reason}); give the directory of a run")
     return file.read_bytes().removeprefix(BOM_UTF8)
 
 

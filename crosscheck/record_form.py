@@ -7,17 +7,17 @@ damaged, edited, or of another version. Fields that are not known are left alone
 from __future__ import annotations
 
 import json
-import math
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, Literal, NoReturn, NotRequired
 
-from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError, with_config
-from typing_extensions import NotRequired, TypedDict
+from pydantic import AfterValidator, Discriminator, Field, Tag, TypeAdapter, ValidationError
+from typing_extensions import TypedDict
 
 from crosscheck.text import shortened
 from crosscheck.verdict import Kind, Outcome, Sense
 
+_Finite = Annotated[float, Field(allow_inf_nan=False)]
 #: A number, or null where it was not finite.
-Number = float | None
+Number = _Finite | None
 #: Whole numbers of more digits are read as floating-point numbers, which may be too large.
 _DIGITS = 18
 #: Sizes of a container that can be drawn: squares and ratios are finite.
@@ -35,26 +35,26 @@ class _Series(TypedDict):
 
 class _Frame(TypedDict):
     shape: Literal["box"]
-    left: float
-    right: float
-    bottom: float
-    top: float
+    left: _Finite
+    right: _Finite
+    bottom: _Finite
+    top: _Finite
     walls: list[Literal["left", "right", "bottom", "top"]]
 
 
 class _RoundFrame(TypedDict):
     shape: Literal["drum"]
-    x: float
-    y: float
-    radius: float
+    x: _Finite
+    y: _Finite
+    radius: _Finite
 
 
 def _drawable(container: dict[str, Any]) -> dict[str, Any]:
     if container["shape"] == "drum":
-        sizes, places = (container["radius"],), (container["x"], container["y"])
+        sizes, places = [container["radius"]], [container["x"], container["y"]]
     else:
-        left, right, bottom, top = (container[side] for side in ("left", "right", "bottom", "top"))
-        sizes, places = (right - left, top - bottom), (left, right, bottom, top)
+        places = [container[side] for side in ("left", "right", "bottom", "top")]
+        sizes = [places[1] - places[0], places[3] - places[2]]
     if not all(_SMALLEST < size < _LARGEST for size in sizes) or any(abs(place) > _LARGEST for place in places):
         raise ValueError("a container needs an inside that can be drawn")
     return container
@@ -78,7 +78,7 @@ def _rising(limits: list[float]) -> list[float]:
     return limits
 
 
-_Limits = Annotated[list[float], Field(min_length=2, max_length=2), AfterValidator(_rising)] | None
+_Limits = Annotated[list[_Finite], Field(min_length=2, max_length=2), AfterValidator(_rising)] | None
 
 
 class _Snapshot(TypedDict):
@@ -187,7 +187,6 @@ class _Common(TypedDict):
     provenance: _Provenance
 
 
-@with_config(ConfigDict(strict=True, allow_inf_nan=False))
 class _Line(_Common):
     variant: str
     tier: Literal["quick", "full"]
@@ -201,7 +200,6 @@ class _OldCriterion(TypedDict):
     why: str
 
 
-@with_config(ConfigDict(strict=True, allow_inf_nan=False))
 class _OldLine(_Common):
     quantity: str | None
     measured: Number
@@ -214,7 +212,7 @@ class _OldLine(_Common):
     criterion: _OldCriterion | None
 
 
-_FORMS = {1: TypeAdapter(_OldLine), 2: TypeAdapter(_Line)}
+_FORMS: dict[int, TypeAdapter[Any]] = {1: TypeAdapter(_OldLine), 2: TypeAdapter(_Line)}
 
 
 def parse(text: str) -> dict[str, Any]:
@@ -239,7 +237,7 @@ def check_form(line: dict[str, Any], schema: int) -> None:
     line: as JSON holds it. schema: 1 or 2.
     """
     try:
-        _FORMS[schema].validate_python(line)
+        _FORMS[schema].validate_python(line, strict=True)
     except ValidationError as error:
         raise ValueError(_in_words(error)) from None
     except RecursionError:

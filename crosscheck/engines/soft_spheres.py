@@ -47,6 +47,7 @@ import numpy as np
 
 from crosscheck.errors import UsageError
 from crosscheck.scene import Contact, Floats, Friction, Method, Scene
+from crosscheck.scene.parts import LEAST
 
 #: Fewer steps than this in a contact are remarked upon.
 _FEW_STEPS = 10
@@ -188,7 +189,7 @@ def resolved(scene: Scene, method: Method) -> Method:
     dt is the largest step up to resolution * t_c that divides the time between samples (or the duration, if there are
     none). scene: gives t_c and that time. method: as the user wrote it. UsageError if there is a contact but the scene
     has no hard spheres, if both say what a contact dissipates or how rough it is, if a coefficient of the contact is
-    missing, or if t_c is infinite, as with a restitution of 0.
+    missing, if t_c is infinite, as with a restitution of 0, or if the steps cannot be counted.
     """
     contact = method.contact
     if contact is None:
@@ -209,7 +210,10 @@ def resolved(scene: Scene, method: Method) -> Method:
     records = scene.output.interval is not None and (scene.output.observables or scene.output.trajectory)
     span = scene.output.interval if records else scene.duration
     assert span is not None
-    steps = max(1, math.ceil(span / (contact.resolution * contact_duration(scene, contact)) * (1 - 1e-12)))
+    longest = contact.resolution * contact_duration(scene, contact)
+    if longest < LEAST or span / longest > 2**53:
+        raise UsageError(f"method.contact: steps of {longest:.3g} are too many to be counted: take softer contacts")
+    steps = max(1, math.ceil(span / longest * (1 - 1e-12)))
     # a new method, not a copy with both entries changed: copies are not validated
     return Method(
         scheme=method.scheme,

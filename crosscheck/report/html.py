@@ -19,6 +19,7 @@ from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.engines.registry import engine_names, engine_order
 from crosscheck.errors import UsageError
+from crosscheck.files import naming
 from crosscheck.record import Line, case_name, deciding, read, shown
 from crosscheck.report import figures, numbers, pictures
 from crosscheck.runner import select
@@ -135,7 +136,8 @@ def write_report(directory: Path) -> Path:
     path = directory / FILE
     page = render(lines, directory.resolve().name)
     # names of files may hold bytes that are not UTF-8, and the output of engines anything
-    path.write_text(printable(page, keep="\n\t"), encoding="utf-8")
+    with naming(path):
+        path.write_text(printable(page, keep="\n\t"), encoding="utf-8")
     return path
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from crosscheck.files import naming
 from crosscheck.record import Line, deciding
 from crosscheck.report.numbers import deviation, expected, measured
 from crosscheck.text import printable
@@ -31,7 +32,8 @@ def write_junit(lines: Iterable[Line], path: Path) -> None:
     ET.SubElement(root, "testsuite", totals).extend(cases)
     ET.indent(root)
     path.parent.mkdir(parents=True, exist_ok=True)
-    ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
+    with naming(path):
+        ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
 
 
 def _case(line: Line) -> ET.Element:

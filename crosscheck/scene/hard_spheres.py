@@ -23,6 +23,7 @@ from crosscheck.scene.parts import (
     SceneEntries,
 )
 from crosscheck.scene.starts import State, wall_strokes
+from crosscheck.text import shortened
 
 #: Overlaps below this fraction of the diameter are accepted as contacts: the end of an event-driven run, and the digits
 #: of a file, leave rounding errors of this order.
@@ -98,7 +99,7 @@ def _check_walls(scene: SceneEntries, box: Box) -> None:
         raise ValueError('box.boundaries: a "wall" is for [lennard_jones]; that of hard spheres is called "hard"')
     names = [f"{axis}{side}" for axis in AXES[: scene.dimension] for side in "-+"]
     for name, face in (box.faces or {}).items():
-        where = f'box.faces."{name}"'
+        where = f'box.faces."{shortened(name)}"'
         if name not in names:
             raise ValueError(f"{where}: there is no such face; the faces are {', '.join(names)}")
         boundary = scene.boundaries[AXES.index(name[0])]

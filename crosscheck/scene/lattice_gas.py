@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from crosscheck.errors import UsageError
 from crosscheck.scene.observables import named
 from crosscheck.scene.parts import Floats, LatticeGas, Obstacle, Occupations, SceneEntries
+from crosscheck.text import shortened
 
 if TYPE_CHECKING:
     from refimpl.lattice.models import Model
@@ -54,7 +55,7 @@ def _check_lattice(scene: SceneEntries, gas: LatticeGas, initial: Occupations) -
     from refimpl.lattice.models import MODELS
 
     if gas.model not in MODELS:
-        raise ValueError(f"lattice_gas.model = '{gas.model}' is unknown: take one of {', '.join(MODELS)}")
+        raise ValueError(f"lattice_gas.model = '{shortened(gas.model)}' is unknown: take one of {', '.join(MODELS)}")
     model = MODELS[gas.model]
     if model.velocities.half_rows and gas.rows % 2:
         raise ValueError(f"lattice_gas.rows = {gas.rows}: a periodic triangular lattice needs an even number")

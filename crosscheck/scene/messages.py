@@ -10,8 +10,10 @@ from pydantic import ValidationError
 
 from crosscheck.scene.parts import LARGEST, Part
 from crosscheck.scene.tables import Table, tables
-from crosscheck.text import printable, shortened
+from crosscheck.text import shortened
 
+#: Characters of the longest message, more than the lists of allowed words have, and lines that are shown of many.
+_LONGEST, _MOST = 1500, 20
 #: For an entry that may be one value or a list of values, pydantic reports the errors of both forms, and the place of
 #: each error ends in the name of its form.
 _ONE, _LIST = re.compile(r"constrained-float|float|function-after\[.*"), re.compile(r"tuple\[.*")
@@ -53,10 +55,13 @@ def explain(error: ValidationError, where: str, scene: type[Part]) -> str:
             else:
                 lines.append(f"{path}.kind: Input should be one of {names} (found {_value(problem['ctx']['tag'])})")
         else:
-            message = printable(problem["msg"].removeprefix("Value error, "))
+            message = shortened(problem["msg"].removeprefix("Value error, "), _LONGEST)
             value = f" (found {_value(found)})" if path and isinstance(found, str | int | float | bool) else ""
             lines.append(f"{path + ': ' if path else ''}{message}{value}")
-    return "\n".join(f"{where}: {line}" for line in dict.fromkeys(lines))
+    lines = list(dict.fromkeys(lines))
+    if len(lines) > _MOST:
+        lines[_MOST:] = [f"{len(lines) - _MOST} mistakes more"]
+    return "\n".join(f"{where}: {line}" for line in lines)
 
 
 def _value(found: str | float) -> str:

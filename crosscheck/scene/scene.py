@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from pydantic import ValidationError, model_validator
 
 from crosscheck.errors import UsageError
-from crosscheck.files import unreadable
+from crosscheck.files import shown_path, unreadable
 from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, refuse_hard_spheres_entries
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
 from crosscheck.scene.observables import FRICTION, Matter, Observable, asked_for
 from crosscheck.scene.parts import (
     INTERACTIONS,
+    LEAST,
     Contact,
     Explicit,
     File,
@@ -67,8 +68,10 @@ class Scene(SceneEntries):
             raise ValueError(f"give exactly one of {names}; found {found}")
         if given[0] in ("lennard_jones", "hard_spheres") and self.dimension == 1:
             raise ValueError(f"[{given[0]}] needs dimension 2 or 3")
-        if self.gravity is None and isinstance(self.masses, tuple) and 0.0 in self.masses:
-            raise ValueError("masses: a particle without mass moves with [gravity] only; give it one")
+        if self.gravity is None and isinstance(self.masses, tuple) and min(self.masses, default=1.0) < LEAST:
+            raise ValueError(
+                f"masses: a particle without mass moves with [gravity] only; give it one of at least {LEAST:g}"
+            )
         if self.box is not None:
             for key in ("lengths", "boundaries"):
                 value = getattr(self.box, key)
@@ -119,23 +122,23 @@ class Scene(SceneEntries):
         path = Path(path)
         reason = unreadable(path)
         if reason:
-            raise UsageError(f"{path}: cannot be read ({reason}); give the path of a scene file")
+            raise UsageError(f"{shown_path(path)}: cannot be read ({reason}); give the path of a scene file")
         try:
             table = json.dumps(tomllib.loads(path.read_bytes().decode("utf-8-sig")), default=str)
         except ValueError as error:  # of the encoding, the text, or a number with more digits than Python converts
-            raise UsageError(f"{path}: not valid TOML: {shortened(str(error), 300)}") from None
+            raise UsageError(f"{shown_path(path)}: not valid TOML: {shortened(str(error), 300)}") from None
         except RecursionError:
-            raise UsageError(f"{path}: not valid TOML: tables or lists are nested too deeply") from None
-        scene = cls.from_json(table, str(path))
+            raise UsageError(f"{shown_path(path)}: not valid TOML: tables or lists are nested too deeply") from None
+        scene = cls.from_json(table, shown_path(path))
         if isinstance(scene.initial, File):
             place = path.parent / scene.initial.path
             reason = unreadable(place)
             if reason:
-                raise UsageError(f"initial.path = {place}: cannot be read as a configuration ({reason})")
+                raise UsageError(f"initial.path = {shown_path(place)}: cannot be read as a configuration ({reason})")
             try:
                 scene = scene.changed(initial=read_configuration(place, scene.dimension))
             except ValidationError as error:
-                raise UsageError(explain(error, f"initial.path = {place}", cls)) from None
+                raise UsageError(explain(error, f"initial.path = {shown_path(place)}", cls)) from None
         return scene
 
     def to_json(self) -> str:

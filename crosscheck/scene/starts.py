@@ -76,7 +76,7 @@ def _unit_cells(initial: Lattice, lengths: Floats, number: int) -> tuple[Floats,
 
 
 def _counts(sides: Floats, cells: float, flat: NDArray[np.bool_]) -> Floats:
-    """How many cells of nearly equal edges go into each side (d,), about `cells` in all; one along axes that are flat."""
+    """How many of about `cells` cells, of nearly equal edges, go into each side, (d,); one along axes that are flat."""
     if flat.all():
         return np.ones(sides.size)
     edge = (np.prod(sides[~flat]) / cells) ** (1.0 / np.count_nonzero(~flat))

@@ -13,6 +13,7 @@ from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EngineError, EngineMissing, UsageError
+from crosscheck.files import shown_path
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.simulate.arrays import write_arrays, write_places
 from crosscheck.simulate.files import file_labels, results_in
@@ -39,7 +40,9 @@ def load(name: str | Path) -> Scene:
             return Scene.load(shipped)
     if os.path.lexists(name):
         return Scene.load(name)
-    raise UsageError(f"{name}: there is no such file, nor a shipped scene; shipped are {', '.join(shipped_scenes())}")
+    raise UsageError(
+        f"{shown_path(name)}: there is no such file, nor a shipped scene; shipped are {', '.join(shipped_scenes())}"
+    )
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import pytest
 
 from crosscheck.engines.registry import engine_names
 from crosscheck.report import figures
+from crosscheck.text import printable
 
 #: Engines are numbered in the order of the installed ones.
 LAMMPS = engine_names().index("lammps")
@@ -153,3 +154,12 @@ def test_an_empty_bin_is_no_failure_and_one_that_is_not_finite_is(scale, height,
 def test_odd_histograms_are_drawn(heights, scale):
     draw([histogram("refimpl", EDGES, heights, scale=scale), histogram("refimpl", [0.0], [], scale=scale)])
     draw([histogram("refimpl", [None, 1.0, 2.0, 3.0], heights, scale=scale)])
+
+
+@pytest.mark.parametrize("label", ["$\\foo$", "a $ b_c$ and \\", "\x1b[31m", "\ud800"])
+def test_labels_are_drawn_as_they_are_written(label):
+    one = line(label, "refimpl", (label, X, X, False))
+    one["figures"][0] |= {"x_label": label, "y_label": label}
+    _, drawing = draw([one])
+    assert drawing.svg.count(printable(label)) == 2
+    assert drawing.svg.encode()

@@ -62,3 +62,12 @@ def test_a_failure_lists_every_red_judgement_with_its_reason_and_no_other(suite)
         "made up: the start",
         "a box of 1234 disks",
     ]
+
+
+def test_characters_that_xml_cannot_hold_are_escaped_not_lost(lines, tmp_path):
+    error = next(line for line in lines if line["outcome"] == "error")
+    write_junit([error | {"message": "first \x1b[31m\udcff\nsecond \x00", "variant": "\ud800"}], tmp_path / "junit.xml")
+    (case,) = ET.parse(tmp_path / "junit.xml").getroot().iter("testcase")
+    assert case.get("name").startswith("\\ud800[")
+    assert case.find("error").get("message") == "first \\x1b[31m\\udcff"
+    assert case.find("error").text == "second \\x00"
