@@ -17,13 +17,13 @@ ROOT = Path(crosscheck.__path__[0]).parent
 #: Rooms from the ground up: a module may import from its own room and from lower ones.
 FLOORS = (
     ("refimpl",),
-    ("crosscheck.errors", "crosscheck.figure", "crosscheck.faults"),
+    ("crosscheck.errors", "crosscheck.figure", "crosscheck.faults", "crosscheck.directory"),
     ("crosscheck.scene",),
     ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence"),
     ("crosscheck.references",),
     ("crosscheck.engines",),
     ("crosscheck.checks",),
-    ("crosscheck.record", "crosscheck.runner"),
+    ("crosscheck.record", "crosscheck.runner", "crosscheck.status"),
     ("crosscheck.painter", "crosscheck.report"),
     ("crosscheck.simulate", "crosscheck.documents"),
     ("crosscheck.commands",),

@@ -143,8 +143,16 @@ def test_an_engine_that_is_named_twice_is_judged_once() -> None:
 
 @pytest.mark.usefixtures("three")
 def test_no_match_says_what_was_looked_for() -> None:
-    with pytest.raises(UsageError, match=r"no check of tier 'quick' on refimpl matches a/slow c\*; see"):
-        select(["a/slow", "c*"], "quick", ["refimpl"])
+    with pytest.raises(UsageError, match=r"no case of tier 'quick' matches a/slow: add --tier full"):
+        select(["a/quick*", "a/slow"], "quick", ["refimpl"])
+    with pytest.raises(UsageError, match=r"no check matches c\*; see `crosscheck list`"):
+        select(["a/quick*", "c*"], "full", ["refimpl"])
+
+
+@pytest.mark.usefixtures("three")
+def test_an_engine_that_declares_too_little_has_no_cases() -> None:
+    """The pattern is no mistake: refimpl has such cases."""
+    assert select(["a/quick*"], "quick", ["rebound"]) == []
 
 
 @pytest.mark.usefixtures("three")
