@@ -313,7 +313,8 @@ import numpy as np
 
 class Engine:
     name = "strange"
-    capabilities = (capability("{matter}", "stepping", words="dimension=1 spring.gamma", observables="positions velocities"),)
+    observables = "positions velocities"
+    capabilities = (capability("{matter}", "stepping", words="dimension=1 spring.gamma", observables=observables),)
     schemes = {{"velocity_verlet": Claims((2, 2), (1, 1))}}
 
     def version(self):
