@@ -401,18 +401,22 @@ def prove(patterns: list[str], jobs: int | None, seed: int) -> int:
     """Runs checks with their planted faults, and prints a line for each; returns the exit status.
 
     patterns: shell patterns of names of checks or of `check/variant`; none: all. jobs: faults at a time; None: one per
-    core. seed: the suite's seed. The status is 0 if every fault turns its check red, else 1. UsageError if no check
-    with a fault matches, or the text that a fault replaces is not there.
+    core. seed: the suite's seed. The status is 0 if every fault turns its check red, else 1. UsageError if a pattern
+    matches no check with a fault, or the text that a fault replaces is not there.
     """
+
+    def matches(pattern: str, check: Check, variant: str) -> bool:
+        return fnmatchcase(check.name, pattern) or fnmatchcase(f"{check.name}/{variant}", pattern)
+
     planted = [
         (check, variant, fault)
         for check in all_checks()
         for variant, fault in check.faults
-        if not patterns
-        or any(fnmatchcase(check.name, p) or fnmatchcase(f"{check.name}/{variant}", p) for p in patterns)
+        if not patterns or any(matches(pattern, check, variant) for pattern in patterns)
     ]
-    if not planted:
-        raise UsageError(f"no check matches {' '.join(patterns)}; see `crosscheck list`")
+    for pattern in patterns:
+        if not any(matches(pattern, check, variant) for check, variant, _ in planted):
+            raise UsageError(f"no check matches {pattern}; see `crosscheck list`")
     undetected = 0
     with ThreadPoolExecutor(jobs or len(os.sched_getaffinity(0))) as pool:
         results = pool.map(lambda item: _prove_one(*item, seed=seed), planted)

@@ -122,6 +122,7 @@ def test_the_command_is_installed() -> None:
         (["report", "nowhere"], "nowhere: there is no record.jsonl"),
         (["simulate", "nowhere.toml"], "nowhere.toml: there is no such file, nor a shipped scene"),
         (["prove", "no/such/check"], "no check matches no/such/check"),
+        (["prove", "stepping/oscillator-exact", "no/such/check"], "no check matches no/such/check"),
     ],
 )
 def test_a_mistake_is_one_line_and_status_2(crosscheck: Any, tmp_path: Path, words: list[str], message: str) -> None:
