@@ -102,17 +102,37 @@ def run(
     resume: Annotated[Optional[Path], typer.Option(help="Complete the interrupted run in this directory.")] = None,  # noqa: UP045
     junit: Annotated[Optional[Path], typer.Option(help="Also write JUnit XML to this file.")] = None,  # noqa: UP045
     time_limit: TimeLimit = TIME_LIMIT,
+    require: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--require", help="Engine that must be there, and judged if the run has it. Repeatable."),
+    ] = None,
+    allow_inconclusive: Annotated[
+        bool, typer.Option("--allow-inconclusive", help="Inconclusive verdicts count as passed.")
+    ] = False,
 ) -> None:
     """Simulate, compare, judge, and write the record and the report.
 
-    Exit status: 0 all pass, 1 a check failed or ended in error, 2 bad usage or input, 130 after Ctrl-C, 143 after
+    Exit status: 0 all pass, 1 a check failed or ended in error, 2 bad usage or input, 3 a verdict is inconclusive, 4
+    nothing was judged (at all, or of an engine named by --engine or --require), 130 after Ctrl-C, 143 after
     SIGTERM.
     """
     from crosscheck import commands
 
     raise typer.Exit(
         interruptible(
-            lambda: commands.run(patterns or [], tier, engine or [], seed, jobs, out, resume, junit, time_limit)
+            lambda: commands.run(
+                patterns or [],
+                tier,
+                engine or [],
+                seed,
+                jobs,
+                out,
+                resume,
+                junit,
+                require or [],
+                allow_inconclusive,
+                time_limit,
+            )
         )
     )
 

@@ -19,9 +19,10 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from crosscheck import runner
+from crosscheck import runner, status
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check, Variant
+from crosscheck.directory import locked
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
@@ -192,6 +193,8 @@ def run(
     out: Path,
     resume: Path | None,
     junit: Path | None,
+    required: list[str],
+    allow_inconclusive: bool,
     time_limit: float = TIME_LIMIT,
 ) -> int:
     """Runs cases, writes record and report, prints a table; returns the exit status.
@@ -199,59 +202,151 @@ def run(
     patterns: shell patterns of names of checks or cases; none: all. tier: "quick" or "full". engine_list: names, or
     path.py:Class; none: all installed. seed: the suite's seed. jobs: cases at a time; None: one per core. out:
     directory of record and report. resume: directory of an interrupted run to be completed, in place of out; None: a
-    new run. junit: file for JUnit XML; None: none. time_limit: seconds that one call of an engine may take.
+    new run. junit: file for JUnit XML; None: none. required: names of engines that must be there. allow_inconclusive:
+    inconclusive verdicts do not change the exit status. time_limit: seconds that one call of an engine may take.
 
-    The status is 1 if a case failed or ended in error, 130 after an interrupt by the user, 143 after SIGTERM, else 0.
-    UsageError for an unknown tier or engine, if no check matches, or if the run to be completed had another seed.
+    The status: see `crosscheck.status.Status`. It follows from the verdicts of this run and, where one is completed,
+    those that it had. UsageError for an unknown tier or engine, if a pattern matches no check, if another run is
+    writing to the directory, or if the run to be completed had another seed.
     """
-    from crosscheck.report.html import FILE as REPORT
-    from crosscheck.report.html import write_report
-    from crosscheck.report.junit import write_junit
-
     if tier not in ("quick", "full"):
         raise UsageError(f"--tier {tier}: unknown; take quick or full")
-    cases = runner.select(patterns, tier, engine_list or engine_names())
+    engines = engine_list or engine_names()
+    cases = runner.select(patterns, tier, engines)
     directory = resume or out
-    before = [] if resume is None else read(resume)
+    _refuse_unwritable_results(directory, resume, junit)
+    told = _Telling(junit, allow_inconclusive)
+    absent = _absent(required)
+    if absent:
+        return told.unjudged([], absent)
+    with locked(directory):
+        before = _lines_before(directory, resume is not None, seed)
+        left = [case for case in cases if (case.name, case.engine) not in finished(before.values())]
+        if not left and not before:
+            return told.unjudged([], status.unjudged([], []))
+        record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
+        started = time.perf_counter()
+        own, interruption = _judged(left, seed, _that_pay(jobs, len(left)), record, time_limit)
+        lines = list((before | own).values())
+        if interruption is not None:
+            return told.interrupted(lines, len(left), directory, interruption)
+        expected = [*engine_list, *(name for name in required if name in engines)]
+        return told.finished(lines, engine_list, expected, directory, time.perf_counter() - started)
+
+
+def _refuse_unwritable_results(directory: Path, resumed: Path | None, junit: Path | None) -> None:
+    """UsageError if there is nothing to complete, or the results cannot be written, before anything is made."""
+    from crosscheck.report.html import FILE as REPORT
+
+    if resumed is not None:
+        read(resumed)
+        _say_if_torn(resumed)
     refuse_no_directory(directory, "the record")
     for path in (directory / FILE, directory / REPORT, *([] if junit is None else [junit])):
         refuse_unwritable(path)
-    if resume is not None:
-        _say_if_torn(resume)
-        if any(line["provenance"]["seed"] != seed for line in before):
-            raise UsageError(f"{resume}: was run with another seed; resume it with that --seed, or start a new run")
-        done = finished(before)
-        cases = [case for case in cases if (case.name, case.engine) not in done]
-    elif (directory / FILE).exists():
-        # the last record in this directory is kept, in case it is of an interrupted run that was to be resumed
-        (directory / FILE).replace(directory / f"previous-{FILE}")
-    record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
-    at_a_time = _that_pay(jobs, len(cases))
+
+
+def _lines_before(directory: Path, resumed: bool, seed: int) -> dict[tuple[str, str], Line]:
+    """The lines that the record in `directory` has of the run to be completed, by case and engine.
+
+    A new run has none: the last record in its directory is put aside, in case it is of an interrupted run that was to
+    be resumed. UsageError if the run to be completed had another seed.
+    """
+    if not resumed:
+        if (directory / FILE).exists():
+            (directory / FILE).replace(directory / f"previous-{FILE}")
+        return {}
+    before = read(directory)
+    if any(line["provenance"]["seed"] != seed for line in before):
+        raise UsageError(f"{directory}: was run with another seed; resume it with that --seed, or start a new run")
+    return {(case_name(line), line["engine"]): line for line in before}
+
+
+def _judged(
+    cases: list[runner.Case], seed: int, jobs: int, record: Record, time_limit: float
+) -> tuple[dict[tuple[str, str], Line], int | None]:
+    """Runs the cases; their lines as they are in the record, by case and engine; the status if it was interrupted."""
     display = _Display(len(cases))
-    started = time.perf_counter()
+    lines = {}
     try:
-        for verdict in runner.run(cases, seed, at_a_time, display.started, None, time_limit):
-            record.append(verdict)
+        for verdict in runner.run(cases, seed, jobs, display.started, None, time_limit):
+            lines[verdict.name, verdict.engine] = record.append(verdict)
             display.finished(verdict)
     except KeyboardInterrupt as interrupt:
-        print(f"crosscheck: interrupted; the record has what was finished: --resume {directory}", file=sys.stderr)
-        return getattr(interrupt, "status", 130)
+        return lines, getattr(interrupt, "status", int(status.Status.INTERRUPTED))
     finally:
         display.close()
-    lines = read(directory)
-    console = _console()
-    _print_table(console, lines)
-    for name in engine_list:
-        print(_share_of_checks(name))
-    report_path = write_report(directory)
-    if junit is not None:
-        write_junit(lines, junit)
-    counts = Counter(line["outcome"] for line in lines)
-    summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in _COLOURS if counts[outcome])
-    console.print(
-        f"{summary} in {time.perf_counter() - started:.0f} s; report: {report_path}", highlight=False, soft_wrap=True
-    )
-    return 1 if counts["fail"] or counts["error"] else 0
+    return lines, None
+
+
+def _absent(required: list[str]) -> list[str]:
+    """A sentence on each required engine that cannot run on this machine. UsageError if there is no such engine."""
+    found = []
+    for name in required:
+        engine_class(name)
+        worker = Worker(name, time_limit=120)
+        try:
+            worker.version()
+        except (EngineMissing, EngineError) as error:
+            found.append(f"nothing was judged: --require {name}: {str(error).splitlines()[0]}")
+        finally:
+            worker.close()
+    return found
+
+
+class _Telling:
+    """Tells the user, and in a file for other tools, how a run ended. junit: that file, or None."""
+
+    def __init__(self, junit: Path | None, allow_inconclusive: bool) -> None:
+        self._junit, self._allow_inconclusive = junit, allow_inconclusive
+
+    def unjudged(self, lines: list[Line], reasons: list[str]) -> int:
+        """The status of a run that judged nothing, or nothing of an engine that was named."""
+        for reason in reasons:
+            print(f"crosscheck: {reason}", file=sys.stderr)
+        self._write(lines, reasons)
+        return int(status.Status.UNJUDGED)
+
+    def interrupted(self, lines: list[Line], cases: int, directory: Path, result: int) -> int:
+        """The status, `result`, of a run of `cases` that was interrupted; lines: of what was finished."""
+        print(f"crosscheck: interrupted; the record has what was finished: --resume {directory}", file=sys.stderr)
+        self._write(lines, [f"interrupted: not all of {cases} cases were judged"])
+        return result
+
+    def finished(
+        self, lines: list[Line], named: list[str], expected: list[str], directory: Path, seconds: float
+    ) -> int:
+        """Prints the table and writes the report; the status.
+
+        named: engines by --engine. expected: these, and others of which something must be judged. directory: of the
+        report.
+        """
+        from crosscheck.report.html import write_report
+
+        console = _console()
+        _print_table(console, lines)
+        for name in named:
+            print(_share_of_checks(name))
+        report_path = write_report(directory)
+        counts = Counter(line["outcome"] for line in lines)
+        summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in _COLOURS if counts[outcome])
+        console.print(f"{summary} in {seconds:.0f} s; report: {report_path}", highlight=False, soft_wrap=True)
+        reasons = status.unjudged(lines, expected)
+        result = status.of(lines, reasons, self._allow_inconclusive)
+        if reasons:
+            self.unjudged(lines, reasons)
+            return int(result)
+        if result == status.Status.INCONCLUSIVE:
+            number = counts["inconclusive"]
+            print(f"crosscheck: {number} inconclusive: see --allow-inconclusive", file=sys.stderr)
+        self._write(lines, [])
+        return int(result)
+
+    def _write(self, lines: list[Line], reasons: list[str]) -> None:
+        from crosscheck.report.junit import write_junit
+
+        if self._junit is not None:
+            write_junit(lines, self._junit, reasons, self._allow_inconclusive)
 
 
 def _that_pay(jobs: int | None, things: int) -> int:
@@ -324,13 +419,13 @@ def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float =
 
     scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
     files. time_limit: seconds that one call of an engine may take. The status is 1 if a run diverged, stopped before
-    its end, or failed, else 0. UsageError: see `crosscheck.simulate.run.simulate`.
+    its end, or failed, else 0. UsageError: see `crosscheck.simulate.run.simulate`, and if another run is writing there.
     """
     from crosscheck.simulate.run import simulate as simulate_scene
     from crosscheck.simulate.summary import LEVELS
 
     refuse_no_directory(out, "the files")
-    with naming(out):
+    with locked(out), naming(out):
         done = simulate_scene(scene, engine_list, out, time_limit)
     console = _console()
     table = Table(box=None, pad_edge=False)
@@ -372,18 +467,22 @@ def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = 
 
     patterns: shell patterns of names of checks or of `check/variant`; none: all. jobs: faults at a time; None: one per
     core. seed: the suite's seed. time_limit: seconds that one call of an engine may take. The status is 0 if every
-    fault turns its check red, else 1. UsageError if no check with a fault matches, or the text that a fault replaces is
-    not there.
+    fault turns its check red, else 1. UsageError if a pattern matches no check with a fault, or the text that a fault
+    replaces is not there.
     """
+
+    def matches(pattern: str, check: Check, variant: str) -> bool:
+        return fnmatchcase(check.name, pattern) or fnmatchcase(f"{check.name}/{variant}", pattern)
+
     planted = [
         (check, variant, fault)
         for check in all_checks()
         for variant, fault in check.faults
-        if not patterns
-        or any(fnmatchcase(check.name, p) or fnmatchcase(f"{check.name}/{variant}", p) for p in patterns)
+        if not patterns or any(matches(pattern, check, variant) for pattern in patterns)
     ]
-    if not planted:
-        raise UsageError(f"no check matches {' '.join(patterns)}; see `crosscheck list`")
+    for pattern in patterns:
+        if not any(matches(pattern, check, variant) for check, variant, _ in planted):
+            raise UsageError(f"no check matches {pattern}; see `crosscheck list`")
     undetected = 0
     with ThreadPoolExecutor(_that_pay(jobs, len(planted))) as pool:
         results = pool.map(lambda item: _prove_one(*item, seed=seed, time_limit=time_limit), planted)

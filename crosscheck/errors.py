@@ -13,5 +13,9 @@ class EngineError(Exception):
     """The engine failed, crashed or ran past its time limit; the message holds its last lines."""
 
 
+class EndedEarly(Exception):
+    """The engine under judgement ended a run before its time; the message says which, and why. The case is red."""
+
+
 class Unsupported(Exception):
     """The engine cannot run this scene with this method; the message says why. The case is skipped."""

@@ -16,11 +16,11 @@ from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.engines.capabilities import lacks
 from crosscheck.engines.protocol import Engine
-from crosscheck.engines.registry import engine_class
+from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Pool
-from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
-from crosscheck.verdict import Verdict, findings
+from crosscheck.errors import EndedEarly, EngineError, EngineMissing, Unsupported, UsageError
+from crosscheck.verdict import Verdict, bounded, findings
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,8 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
     """The cases whose name, or whose check's name, matches, on those of the engines that declare what the check needs.
 
     patterns: shell patterns; none: all cases. tier: "quick", or "full", which contains it. engines: names, or
-    path.py:Class. UsageError if nothing matches, or if there is no such engine.
+    path.py:Class. None may be left: the engines may declare too little. UsageError if a pattern matches no case of this
+    tier on any installed engine either, or if there is no such engine.
     """
     cases: list[Case] = []
     for check in all_checks():
@@ -53,15 +54,32 @@ def select(patterns: list[str], tier: str, engines: list[str]) -> list[Case]:
             engine = engine_class(name)
             for variant in judging(check, name, engine):
                 case = Case(check.name, variant.name, name, check.timing)
-                matches = any(fnmatchcase(case.name, p) or fnmatchcase(check.name, p) for p in patterns)
+                matches = any(_matches(pattern, check.name, case.name) for pattern in patterns)
                 if (not patterns or matches) and (tier == "full" or variant.tier == "quick"):
                     cases.append(case)
-    if not cases:
-        raise UsageError(
-            f"no check of tier '{tier}' on {', '.join(engines)} matches {' '.join(patterns) or '*'}; "
-            "see `crosscheck list`"
-        )
+    for pattern in patterns:
+        if not any(_matches(pattern, case.check, case.name) for case in cases):
+            _must_be_known(pattern, tier, engines)
     return cases
+
+
+def _matches(pattern: str, check: str, case: str) -> bool:
+    return fnmatchcase(case, pattern) or fnmatchcase(check, pattern)
+
+
+def _must_be_known(pattern: str, tier: str, engines: list[str]) -> None:
+    """UsageError if the pattern matches no case of the tier on any engine."""
+    tiers = {
+        variant.tier
+        for check in all_checks()
+        for name in dict.fromkeys([*engines, *engine_names()])
+        for variant in judging(check, name, engine_class(name))
+        if _matches(pattern, check.name, f"{check.name}/{variant.name}")
+    }
+    if not tiers:
+        raise UsageError(f"no check matches {pattern}; see `crosscheck list`")
+    if tier not in tiers and tier != "full":
+        raise UsageError(f"no case of tier '{tier}' matches {pattern}: add --tier full")
 
 
 def unmatched(check: Check, name: str, engine: type[Engine]) -> str | None:
@@ -132,9 +150,10 @@ def close_pools() -> None:
 def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> Verdict:
     """The verdict of one case.
 
-    Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, else "error". case: what to run.
-    seed: the suite's seed. overlay: a directory with a copy of `refimpl` with a planted fault; None: the installed one.
-    time_limit: seconds that one run of an engine may take.
+    Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, "fail" if it ended a run early
+    that the check needs whole, else "error". case: what to run. seed: the suite's seed. overlay: a directory with a
+    copy of `refimpl` with a planted fault; None: the installed one. time_limit: seconds that one run of an engine may
+    take.
     """
     check = find(case.check)
     pool = _pool(overlay, time_limit)
@@ -151,6 +170,10 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
         outcome = found.outcome
     except (EngineMissing, Unsupported) as reason:
         outcome, message = "skip", str(reason)
+    except EndedEarly as reason:
+        why = "what a part of a run shows says nothing of the whole"
+        found = findings(bounded("runs that ended before their time", 1.0, 0.0, why, note=str(reason)))
+        outcome = found.outcome
     except EngineError as error:
         outcome, message = "error", str(error)
     except Exception as error:

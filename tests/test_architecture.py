@@ -17,13 +17,20 @@ ROOT = Path(crosscheck.__path__[0]).parent
 #: Rooms from the ground up: a module may import from its own room and from lower ones.
 FLOORS = (
     ("refimpl",),
-    ("crosscheck.errors", "crosscheck.text", "crosscheck.files", "crosscheck.figure", "crosscheck.faults"),
+    (
+        "crosscheck.errors",
+        "crosscheck.text",
+        "crosscheck.files",
+        "crosscheck.directory",
+        "crosscheck.figure",
+        "crosscheck.faults",
+    ),
     ("crosscheck.scene",),
     ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence"),
     ("crosscheck.references",),
     ("crosscheck.engines",),
     ("crosscheck.checks",),
-    ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner"),
+    ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner", "crosscheck.status"),
     ("crosscheck.painter", "crosscheck.report"),
     ("crosscheck.simulate", "crosscheck.documents"),
     ("crosscheck.commands",),

@@ -15,7 +15,7 @@ from crosscheck.engines.capabilities import Needs, scheme_of
 from crosscheck.engines.protocol import Claims, Cost, Kind, Run
 from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.pool import Pool
-from crosscheck.errors import Unsupported
+from crosscheck.errors import EndedEarly, EngineError, Unsupported
 from crosscheck.faults import Fault
 from crosscheck.scene import Contact, Method, Scene
 from crosscheck.verdict import Judged
@@ -60,11 +60,15 @@ class Laboratory:
     suite_seed: int = 0
     cost: Cost = field(default_factory=Cost)
 
-    def run(self, scene: Scene, method: Method | Kind, engine: str | None = None) -> Run:
+    def run(
+        self, scene: Scene, method: Method | Kind, engine: str | None = None, *, may_end_early: bool = False
+    ) -> Run:
         """Runs `scene`, and adds the cost of the run to `cost`.
 
         method: or a kind of scheme, of which the engine's first one for this interaction is taken. engine: name of
-        another engine, as a reference; by default that under judgement. Unsupported if the engine has no scheme of that
+        another engine, as a reference; by default that under judgement. may_end_early: the check judges a run that
+        diverged, or stopped (inelastic collapse), itself. Otherwise such a run ends the case: EndedEarly if it is of
+        the engine under judgement, EngineError if it is of a reference. Unsupported if the engine has no scheme of that
         kind for this interaction; the errors of the engine (see `crosscheck.errors`) pass through.
         """
         name = engine or self.engine
@@ -72,6 +76,9 @@ class Laboratory:
         for entry, value in asdict(run.cost).items():
             before = getattr(self.cost, entry)
             setattr(self.cost, entry, max(before, value) if entry == "peak_bytes" else before + value)
+        if (run.diverged or run.stopped) and not may_end_early:
+            reason = f"{name}, scene {scene.name}: the run {'diverged' if run.diverged else f'stopped: {run.stopped}'}"
+            raise (EndedEarly if name == self.engine else EngineError)(reason)
         return run
 
     def seed(self, purpose: str = "") -> int:

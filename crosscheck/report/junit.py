@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +13,16 @@ from crosscheck.report.numbers import deviation, expected, measured
 from crosscheck.text import printable
 
 
-def write_junit(lines: Iterable[Line], path: Path) -> None:
-    """Writes one test suite; a failed verdict is a failure, an inconclusive one is skipped, with its reason.
+def write_junit(
+    lines: Iterable[Line], path: Path, unjudged: Sequence[str] = (), allow_inconclusive: bool = False
+) -> None:
+    """Writes one test suite, which other tools show as green only if it may be taken for a success.
 
-    lines: of the record. path: the file to write.
+    A failed verdict is a failure, and so is an inconclusive one, of the type "inconclusive". lines: of the record.
+    path: the file to write. unjudged: sentences on what was not judged, each an error of the suite. allow_inconclusive:
+    inconclusive verdicts are skipped test cases, with their reason.
     """
-    cases = [_case(line) for line in lines]
+    cases = [_case(line, allow_inconclusive) for line in lines] + [_problem(reason) for reason in unjudged]
     found = [child.tag for case in cases for child in case]
     totals: dict[str, str] = {
         "name": "particle-crosscheck",
@@ -36,7 +40,14 @@ def write_junit(lines: Iterable[Line], path: Path) -> None:
         ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
 
 
-def _case(line: Line) -> ET.Element:
+def _problem(reason: str) -> ET.Element:
+    """An error of no case: a suite without any would be green."""
+    case = ET.Element("testcase", classname="crosscheck", name=_clean(reason.partition(":")[0]), time="0.000")
+    ET.SubElement(case, "error", message=_clean(reason))
+    return case
+
+
+def _case(line: Line, allow_inconclusive: bool) -> ET.Element:
     case = ET.Element(
         "testcase",
         classname=_clean(line["check"].replace("/", ".")),
@@ -56,7 +67,11 @@ def _case(line: Line) -> ET.Element:
     elif outcome == "skip":
         ET.SubElement(case, "skipped", message=message)
     elif outcome == "inconclusive":
-        ET.SubElement(case, "skipped", message=_clean(f"inconclusive: {_comparison(deciding(line)[0])}"))
+        message = _clean(f"inconclusive: {_comparison(deciding(line)[0])}")
+        if allow_inconclusive:
+            ET.SubElement(case, "skipped", message=message)
+        else:
+            ET.SubElement(case, "failure", message=message, type="inconclusive")
     return case
 
 

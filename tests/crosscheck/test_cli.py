@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,11 @@ import pytest
 from crosscheck import cli, commands, runner
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
+from crosscheck.directory import locked
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.faults import Fault
 from crosscheck.record import case_name, read
+from crosscheck.verdict import Verdict, findings, statistical
 
 CASE = "stepping/oscillator-exact/velocity_verlet"
 CRASHING = """
@@ -110,6 +113,8 @@ def test_the_command_is_installed() -> None:
         (["run", "-e", "lamps"], "unknown engine 'lamps'; known: refimpl"),
         (["run", "-e", "nowhere.py:Engine"], "engine 'nowhere.py:Engine': there is no file nowhere.py"),
         (["run", "no/such/check"], "matches no/such/check; see `crosscheck list`"),
+        (["run", CASE, "no/such/check"], "matches no/such/check; see `crosscheck list`"),
+        (["run", "events/haff-series"], "no case of tier 'quick' matches events/haff-series: add --tier full"),
         (["run", "--tier", "quik"], "--tier quik: unknown; take quick or full"),
         (["run", CASE, "-e", "refimpl", "--resume", "nowhere"], "nowhere: there is no record.jsonl"),
         (["run", CASE, "-e", "refimpl", "-o", __file__], "cannot be a directory for the record"),
@@ -117,6 +122,7 @@ def test_the_command_is_installed() -> None:
         (["report", "nowhere"], "nowhere: there is no record.jsonl"),
         (["simulate", "nowhere.toml"], "nowhere.toml: there is no such file, nor a shipped scene"),
         (["prove", "no/such/check"], "no check matches no/such/check"),
+        (["prove", "stepping/oscillator-exact", "no/such/check"], "no check matches no/such/check"),
     ],
 )
 def test_a_mistake_is_one_line_and_status_2(crosscheck: Any, tmp_path: Path, words: list[str], message: str) -> None:
@@ -304,6 +310,174 @@ def test_an_interrupted_run_says_how_to_go_on(crosscheck: Any, tmp_path: Path, m
     done = crosscheck("run", CASE, "-e", "refimpl", "-o", tmp_path)
     assert done.status == 130
     assert done.err == f"crosscheck: interrupted; the record has what was finished: --resume {tmp_path}\n"
+
+
+# -- what is not green ----------------------------------------------------------------------------------------
+
+ENGINE = """
+from crosscheck.engines.capabilities import capability
+from crosscheck.engines.protocol import Claims, Run, sample_times
+import numpy as np
+
+class Engine:
+    name = "strange"
+    observables = "positions velocities"
+    capabilities = (capability("{matter}", "stepping", words="dimension=1 spring.gamma", observables=observables),)
+    schemes = {{"velocity_verlet": Claims((2, 2), (1, 1))}}
+
+    def version(self):
+        {version}
+
+    def supports(self, scene, method):
+        return {reason}
+
+    def run(self, scene, method):
+        state, times = scene.initial_state(), sample_times(scene, method)
+        still = lambda x: np.broadcast_to(x, (times.size, *x.shape))
+        return Run(time=times, positions=still(state.positions), velocities=still(state.velocities),
+                   final_positions=state.positions, final_velocities=state.velocities, {end})
+"""
+
+
+def engine(directory: Path, **parts: str) -> str:
+    """Writes an engine that does not move anything, and returns how it is named."""
+    defaults = {"matter": "spring", "version": "return '1'", "reason": "None", "end": ""}
+    (directory / "engine.py").write_text(ENGINE.format(**defaults | parts))
+    return f"{directory}/engine.py:Engine"
+
+
+@pytest.mark.parametrize(
+    ("parts", "reason"),
+    [
+        ({"reason": "'it is Monday'"}, "1 skipped (strange: it is Monday)"),
+        ({"version": "raise ImportError('no licence')", "reason": "1 / 0"}, "nothing was judged"),
+        ({"matter": "lattice_gas"}, "no check that was asked for matches what it declares"),
+    ],
+)
+def test_a_run_that_judged_nothing_is_status_4_and_red_in_junit(
+    crosscheck: Any, tmp_path: Path, parts: dict[str, str], reason: str
+) -> None:
+    if "version" in parts:
+        parts = {**parts, "reason": "__import__('nowhere')"}
+    name, junit = engine(tmp_path, **parts), tmp_path / "junit.xml"
+    done = crosscheck("run", CASE, "-e", name, "-o", tmp_path / "out", "--junit", junit)
+    assert done.status == 4, done.err
+    assert done.err.startswith("crosscheck: nothing was judged: ")
+    assert reason.replace("strange:", f"{name}:") in done.err
+    suite = ET.parse(junit).getroot()
+    assert suite.attrib["errors"] == "1"
+    assert "nothing was judged" in ET.tostring(suite, encoding="unicode")
+
+
+def test_an_engine_that_is_named_must_be_judged(crosscheck: Any, tmp_path: Path) -> None:
+    name = engine(tmp_path, reason="'it is Monday'")
+    done = crosscheck("run", CASE, "-e", "refimpl", "-e", name, "-o", tmp_path / "out")
+    assert done.status == 4
+    assert "1 pass, 1 skip" in done.out
+    assert done.err == f"crosscheck: nothing was judged of {name}: 1 skipped ({name}: it is Monday)\n"
+
+
+def test_an_engine_that_is_required_must_be_there(crosscheck: Any, tmp_path: Path) -> None:
+    words = ["run", CASE, "-e", "refimpl", "-o", tmp_path / "out", "--junit", tmp_path / "junit.xml", "--require"]
+    absent = crosscheck(*words, engine(tmp_path, version="raise ImportError('no licence')"))
+    assert absent.status == 4
+    assert "engine.py:Engine: ImportError: no licence" in absent.err
+    assert ET.parse(tmp_path / "junit.xml").getroot().attrib["errors"] == "1"
+    assert not (tmp_path / "out").exists()
+    assert crosscheck(*words, "refimpl").status == 0
+    unknown = crosscheck(*words, "lamps")
+    assert (unknown.status, unknown.out) == (2, "")
+    assert "unknown engine 'lamps'" in unknown.err
+
+
+@pytest.mark.parametrize("end", ["diverged=True", "stopped='inelastic collapse'"])
+def test_a_run_that_ends_early_is_red(crosscheck: Any, tmp_path: Path, end: str) -> None:
+    """The positions of this engine are those of the start: they are finite, and nothing else would tell."""
+    name = engine(tmp_path, end=end)
+    done = crosscheck("run", CASE, "-e", name, "-o", tmp_path / "out")
+    assert done.status == 1
+    assert "runs that ended before their time" in done.out
+    assert ("the run diverged" if "diverged" in end else "the run stopped: inelastic collapse") in done.out
+
+
+def verdict(outcome: str) -> Verdict:
+    check, _, variant = CASE.rpartition("/")
+    few, far = (2.0 if outcome == "inconclusive" else 100.0), (9.0 if outcome == "fail" else 0.0)
+    found = findings(statistical("x", far, 1.0, 0.0, 0.0, "why", samples=few))
+    assert found.outcome == outcome
+    return Verdict(check, variant, "refimpl", found.outcome, found, "", {"seconds": 0.0})
+
+
+def test_inconclusive_is_status_3(crosscheck: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "run", lambda *_: iter([verdict("inconclusive")]))
+    words = ["run", CASE, "-e", "refimpl", "-o", tmp_path, "--junit", tmp_path / "junit.xml"]
+    done = crosscheck(*words)
+    assert done.status == 3
+    assert done.err == "crosscheck: 1 inconclusive: see --allow-inconclusive\n"
+    assert ET.parse(tmp_path / "junit.xml").getroot().attrib["failures"] == "1"
+    allowed = crosscheck(*words, "--allow-inconclusive")
+    assert (allowed.status, allowed.err) == (0, "")
+    assert ET.parse(tmp_path / "junit.xml").getroot().attrib["failures"] == "0"
+
+
+# -- one run at a time ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("option", ["--out", "--resume"])
+def test_a_second_run_in_a_directory_is_refused(
+    crosscheck: Any, finished_run: Any, tmp_path: Path, option: str
+) -> None:
+    record = (finished_run[0] / "record.jsonl").read_bytes()
+    (tmp_path / "record.jsonl").write_bytes(record)
+    with locked(tmp_path):
+        done = crosscheck("run", CASE, "-e", "refimpl", option, tmp_path)
+        simulated = crosscheck("simulate", "damped-oscillator", "--out", tmp_path)
+    for refused in (done, simulated):
+        assert (refused.status, refused.out) == (2, "")
+        assert refused.err == (
+            f"crosscheck: {tmp_path}: another run (process {os.getpid()}) is writing to it; "
+            "wait for its end, or give another directory with --out\n"
+        )
+    assert (tmp_path / "record.jsonl").read_bytes() == record
+    assert [path.name for path in tmp_path.iterdir()] == ["record.jsonl"]
+
+
+def test_the_status_is_that_of_the_runs_own_verdicts(
+    crosscheck: Any, finished_run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Even where somebody puts another record, of green verdicts, in the place of this one."""
+
+    def replaced(*_: Any) -> Iterator[Verdict]:
+        yield verdict("fail")
+        (tmp_path / "record.jsonl").write_bytes((finished_run[0] / "record.jsonl").read_bytes())
+
+    monkeypatch.setattr(runner, "run", replaced)
+    done = crosscheck("run", CASE, "-e", "refimpl", "-o", tmp_path)
+    assert done.status == 1
+    assert "1 fail in " in done.out
+
+
+def test_resuming_counts_what_was_red_before(crosscheck: Any, finished_run: Any, tmp_path: Path) -> None:
+    first, second = (json.loads(line) for line in (finished_run[0] / "record.jsonl").read_text().splitlines())
+    for line, other in ((first, second), (second, first)):
+        (tmp_path / "record.jsonl").write_text(json.dumps(line | {"outcome": "fail"}) + "\n")
+        done = crosscheck("run", case_name(other), "-e", "refimpl", "--resume", tmp_path)
+        assert done.status == 1
+        assert "1 pass, 1 fail in " in done.out
+
+
+def test_an_interrupted_run_keeps_what_was_finished_and_is_red_in_junit(
+    crosscheck: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: Any) -> Iterator[Verdict]:
+        yield verdict("pass")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(runner, "run", interrupted)
+    done = crosscheck("run", CASE, "-e", "refimpl", "-o", tmp_path, "--junit", tmp_path / "junit.xml")
+    assert done.status == 130
+    assert [line["outcome"] for line in read(tmp_path)] == ["pass"]
+    assert ET.parse(tmp_path / "junit.xml").getroot().attrib["errors"] == "1"
 
 
 # -- prove --------------------------------------------------------------------------------------------------

@@ -6,14 +6,17 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from crosscheck.checks.base import Check, Laboratory, full, quick, schemes_with
 from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.protocol import Run
 from crosscheck.engines.registry import engine_class
-from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
+from crosscheck.errors import EndedEarly, EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.runner import Case, _CasesOfThreads, close_pools, find, judge, run, select, unmatched
 from crosscheck.scene import Explicit, Method, Scene, Spring
 from crosscheck.verdict import Judgement, Verdict, round_off
@@ -143,8 +146,16 @@ def test_an_engine_that_is_named_twice_is_judged_once() -> None:
 
 @pytest.mark.usefixtures("three")
 def test_no_match_says_what_was_looked_for() -> None:
-    with pytest.raises(UsageError, match=r"no check of tier 'quick' on refimpl matches a/slow c\*; see"):
-        select(["a/slow", "c*"], "quick", ["refimpl"])
+    with pytest.raises(UsageError, match=r"no case of tier 'quick' matches a/slow: add --tier full"):
+        select(["a/quick*", "a/slow"], "quick", ["refimpl"])
+    with pytest.raises(UsageError, match=r"no check matches c\*; see `crosscheck list`"):
+        select(["a/quick*", "c*"], "full", ["refimpl"])
+
+
+@pytest.mark.usefixtures("three")
+def test_an_engine_that_declares_too_little_has_no_cases() -> None:
+    """The pattern is no mistake: refimpl has such cases."""
+    assert select(["a/quick*"], "quick", ["rebound"]) == []
 
 
 @pytest.mark.usefixtures("three")
@@ -359,3 +370,29 @@ def test_workers_are_ended_with_the_run(monkeypatch: pytest.MonkeyPatch, tmp_pat
     list(run(select([], "quick", [f"{file}:Engine"]), 0, 1))
     assert len(set(processes)) == 1  # one worker a thread, kept from case to case
     assert not Path(f"/proc/{processes[0]}").exists()
+
+
+# -- runs that end early -----------------------------------------------------------------------------------
+
+
+class OneRun:
+    """A pool whose engines all return the same run."""
+
+    def __init__(self, result: Run) -> None:
+        self.result = result
+
+    def worker(self, name: str) -> Any:
+        return SimpleNamespace(run=lambda scene, method: self.result)
+
+
+@pytest.mark.parametrize("how", [{"diverged": True}, {"stopped": "inelastic collapse"}])
+def test_a_run_that_ended_early_reaches_only_checks_that_expect_it(how: dict[str, Any]) -> None:
+    pool: Any = OneRun(Run(time=np.zeros(1), **how))
+    laboratory = Laboratory("refimpl", {}, pool, "a/b/c")
+    method = Method(scheme="good", dt=0.1)
+    reason = "scene spring: the run " + ("diverged" if "diverged" in how else "stopped: inelastic collapse")
+    with pytest.raises(EndedEarly, match=f"refimpl, {reason}"):
+        laboratory.run(SCENE, method)
+    with pytest.raises(EngineError, match=f"lammps, {reason}"):  # a reference: nothing against refimpl
+        laboratory.run(SCENE, method, "lammps")
+    assert laboratory.run(SCENE, method, may_end_early=True) is pool.result

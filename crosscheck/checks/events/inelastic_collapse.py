@@ -17,7 +17,7 @@ def _judge_collapse(laboratory: Laboratory, row: Row) -> Judged:
     """The exact time of the collapse just below the limit, the exact number of collisions just above it."""
     gaps, velocities, wall, limit, below, above = row
     exact = line_collisions(gaps, velocities, below, wall)
-    run = laboratory.run(row_scene(row, below, 2 * float(exact.times[-1])), EVENT_DRIVEN)
+    run = laboratory.run(row_scene(row, below, 2 * float(exact.times[-1])), EVENT_DRIVEN, may_end_early=True)
     time, stopped = reported_time(run), run.stopped
     rounding = 4 * EPSILON * float(np.sum(gaps) + velocities.size)
     left = exact.times[-1] - exact.times
@@ -28,7 +28,7 @@ def _judge_collapse(laboratory: Laboratory, row: Row) -> Judged:
         "four roundings of the coordinates change each gap, and the time left from there, in proportion",
     )  # fmt: skip
     sound = line_collisions(gaps, velocities, above, wall)
-    run = laboratory.run(row_scene(row, above, 2 * float(sound.times[-1])), EVENT_DRIVEN)
+    run = laboratory.run(row_scene(row, above, 2 * float(sound.times[-1])), EVENT_DRIVEN, may_end_early=True)
     hits = run["collisions"][-1] + run["wall_collisions"][-1].sum()
     none = within(
         "round_off", f"collisions until all part at alpha = {above:.4g}", float(hits), sound.pairs + sound.wall, 0.5,

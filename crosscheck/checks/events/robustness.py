@@ -63,10 +63,6 @@ def _overlaps_and_energy(scene: Scene, run: Run, what: str, elastic: bool = True
                 "four roundings at each collision of a particle, all to one side: rounding has a bias, docs/events.md",
             )
         )
-    stopped = float(bool(run.stopped))
-    judgements.append(
-        bounded(f"{what}: ended early", stopped, 0.0, "the run goes on to its end", control=True, note=run.stopped)
-    )
     return worst(judgements, f"{run['collisions'][-1]:.0f} collisions")
 
 

@@ -119,8 +119,7 @@ def _judge_column(laboratory: Laboratory, shaking: float) -> Judged:
         # the phase omega t, and places of up to the height of the box
         4 * EPSILON * (20.0 + amplitude * omega * 10.0),
         "rounding of the coordinates and of the clock",
-        note=f"{run['wall_collisions'][-1, FLOOR]:.0f} impacts on the floor, {run.cost.events} events; "
-        f"{run.stopped or 'ran to its end'}",
+        note=f"{run['wall_collisions'][-1, FLOOR]:.0f} impacts on the floor, {run.cost.events} events",
         figures=(figure,),
     )
 

@@ -58,7 +58,7 @@ def _growth(laboratory: Laboratory, alpha: float, step: float, steps: int) -> fl
         ),
         initial=explicit(np.array([[2.0, 0.5]]), np.array([[0.0, STABLE_SPEED]])),
     )
-    run = laboratory.run(scene, Law(alpha).method(1.0, step))
+    run = laboratory.run(scene, Law(alpha).method(1.0, step), may_end_early=True)
     size = math.hypot(run["final_velocities"][0, 1], run["final_positions"][0, 1] - 0.5) / STABLE_SPEED
     return math.inf if run.diverged or not math.isfinite(size) else size
 

@@ -281,9 +281,9 @@ def _judge(laboratory: Laboratory, scheme: str, problem: Problem) -> Judged:
 
 
 def _repeated(laboratory: Laboratory, scene: Scene, method: Method) -> list[Run]:
-    runs = [laboratory.run(scene, method)]
+    runs = [laboratory.run(scene, method, may_end_early=True)]
     while len(runs) < REPEATS and runs[0].cost.cpu < LONG:
-        runs.append(laboratory.run(scene, method))
+        runs.append(laboratory.run(scene, method, may_end_early=True))
     return runs
 
 

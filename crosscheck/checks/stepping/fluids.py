@@ -95,20 +95,24 @@ def shaken(scene: Scene, amplitude: float, seed: int) -> Scene:
 
 
 class StatePoint(NamedTuple):
-    """A state of the fluid: `density` and `temperature`, in reduced units."""
+    """A state of the fluid: `density` and `temperature`, in reduced units; steps: of the run for averages.
+
+    The thinner the fluid, the longer its temperature is correlated: the steps give 80 independent samples or more.
+    """
 
     density: float
     temperature: float
+    steps: int
 
 
 STATE_POINTS = {
-    "rho0.8-T1.0": StatePoint(0.8, 1.0),
-    "rho0.5-T2.0": StatePoint(0.5, 2.0),
-    "rho0.3-T2.5": StatePoint(0.3, 2.5),
+    "rho0.8-T1.0": StatePoint(0.8, 1.0, 4000),
+    "rho0.5-T2.0": StatePoint(0.5, 2.0, 8000),
+    "rho0.3-T2.5": StatePoint(0.3, 2.5, 16000),
 }
-#: Runs for averages: cutoff, method, steps of the production run and steps between samples, number of particles.
+#: Runs for averages: cutoff, method, steps between samples, number of particles.
 CUTOFF, AVERAGE = 3.0, Method(scheme="velocity_verlet", dt=0.004)
-AVERAGE_STEPS, AVERAGE_EVERY, PARTICLES = 4000, 10, 500
+AVERAGE_EVERY, PARTICLES = 10, 500
 
 
 def _temperature_of(scene: Scene, kinetic: Floats | float) -> Floats | float:
@@ -121,7 +125,7 @@ def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
 
     laboratory: runs it.
     """
-    density, temperature = point
+    density, temperature, steps = point
     scene = fluid(PARTICLES, density, 2 * temperature, laboratory.seed(), cutoff=CUTOFF, duration=100 * AVERAGE.step)
     for _ in range(10):
         run = laboratory.run(scene, AVERAGE, engine="refimpl")
@@ -131,7 +135,7 @@ def equilibrated(laboratory: Laboratory, point: StatePoint) -> Scene:
     run = laboratory.run(scene.changed(duration=500 * AVERAGE.step), AVERAGE, engine="refimpl")
     return scene.changed(
         initial=explicit(run["final_positions"], run["final_velocities"]),
-        duration=AVERAGE_STEPS * AVERAGE.step,
+        duration=steps * AVERAGE.step,
         output=Output(interval=AVERAGE_EVERY * AVERAGE.step, observables=OBSERVABLES),
     )
 

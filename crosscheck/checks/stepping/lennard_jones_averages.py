@@ -6,7 +6,6 @@ from crosscheck.checks.base import Check, Laboratory, variants_of
 from crosscheck.checks.stepping.faults import LOSS, STALE_LISTS
 from crosscheck.checks.stepping.fluids import (
     AVERAGE,
-    AVERAGE_STEPS,
     AVERAGES,
     PARTICLES,
     STATE_POINTS,
@@ -43,7 +42,7 @@ def _judge(laboratory: Laboratory, point: StatePoint) -> Judged:
         )
         for name in ("T", "u", "p")
     ]
-    return worst(judgements, f"{AVERAGE_STEPS} steps of {PARTICLES} particles")
+    return worst(judgements, f"{point.steps} steps of {PARTICLES} particles")
 
 
 CHECKS = (

@@ -42,7 +42,9 @@ def _judge_limit(laboratory: Laboratory, scheme: str) -> Judged:
     resolution = abs(visible - expected)
     while high - low > 0.05 * resolution:
         middle = 0.5 * (low + high)
-        run = laboratory.run(unit_oscillator(STEPS * middle, half * middle), Method(scheme=scheme, dt=middle))
+        run = laboratory.run(
+            unit_oscillator(STEPS * middle, half * middle), Method(scheme=scheme, dt=middle), may_end_early=True
+        )
         _, at_half, at_end = _log_amplitudes(run)
         limit = np.log(1e6) if strict is not None else at_half + half * np.log(PRACTICAL)
         if at_end > limit or not np.isfinite(at_half):

@@ -99,3 +99,10 @@ def test_one_name_is_one_fault() -> None:
     known: dict[str, Fault] = {}
     for _, _, fault in FAULTS:
         assert known.setdefault(fault.name, fault) == fault
+
+
+@each_file
+def test_means_of_series_are_judged_whole(file: Path) -> None:
+    """`statistical(..., samples=mean)`: with their number alone, nobody would ask whether the series drifts."""
+    names = {node.attr for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.Attribute)}
+    assert "independent" not in names

@@ -26,10 +26,10 @@ def suite(lines, tmp_path):
 def test_counts(lines, suite):
     outcomes = Counter(line["outcome"] for line in lines)
     assert int(suite.get("tests")) == len(suite.findall("testcase")) == len(lines)
-    assert int(suite.get("failures")) == len(suite.findall("testcase/failure")) == outcomes["fail"]
+    failures = outcomes["fail"] + outcomes["inconclusive"]
+    assert int(suite.get("failures")) == len(suite.findall("testcase/failure")) == failures
     assert int(suite.get("errors")) == len(suite.findall("testcase/error")) == outcomes["error"]
-    skipped = outcomes["skip"] + outcomes["inconclusive"]
-    assert int(suite.get("skipped")) == len(suite.findall("testcase/skipped")) == skipped
+    assert int(suite.get("skipped")) == len(suite.findall("testcase/skipped")) == outcomes["skip"]
     assert float(suite.get("time")) == pytest.approx(sum(line["cost"]["seconds"] for line in lines), abs=0.05)
 
 
@@ -47,7 +47,8 @@ def test_messages(suite):
     assert error.get("message") == "refimpl was killed by signal 11"
     assert "Traceback" in error.text
     reasons = [skipped.get("message") for skipped in suite.iter("skipped")]
-    assert sum(reason.startswith("inconclusive: pressure") for reason in reasons) == 2
+    inconclusive = suite.findall("testcase/failure[@type='inconclusive']")
+    assert sum(one.get("message").startswith("inconclusive: pressure") for one in inconclusive) == 2
     assert "Mine: no lattice gases" in reasons
 
 
@@ -71,3 +72,21 @@ def test_characters_that_xml_cannot_hold_are_escaped_not_lost(lines, tmp_path):
     assert case.get("name").startswith("\\ud800[")
     assert case.find("error").get("message") == "first \\x1b[31m\\udcff"
     assert case.find("error").text == "second \\x00"
+
+
+def test_inconclusive_verdicts_are_skipped_where_they_are_allowed(lines, tmp_path):
+    write_junit(lines, tmp_path / "junit.xml", allow_inconclusive=True)
+    suite = ET.parse(tmp_path / "junit.xml").getroot()[0]
+    outcomes = Counter(line["outcome"] for line in lines)
+    assert int(suite.get("failures")) == outcomes["fail"]
+    assert int(suite.get("skipped")) == outcomes["skip"] + outcomes["inconclusive"]
+    reasons = [skipped.get("message") for skipped in suite.iter("skipped")]
+    assert sum(reason.startswith("inconclusive: pressure") for reason in reasons) == 2
+
+
+def test_what_was_not_judged_is_an_error_of_the_suite(lines, tmp_path):
+    skipped = [line for line in lines if line["outcome"] == "skip"]
+    write_junit(skipped, tmp_path / "junit.xml", ["nothing was judged: 3 skipped (Mine: no)"])
+    suite = ET.parse(tmp_path / "junit.xml").getroot()[0]
+    assert (suite.get("tests"), suite.get("errors")) == (str(len(skipped) + 1), "1")
+    assert suite.find("testcase[@name='nothing was judged']/error").get("message").endswith("(Mine: no)")

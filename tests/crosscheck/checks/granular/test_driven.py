@@ -21,12 +21,12 @@ from crosscheck.statistics import Mean
 )
 def test_hard_limit_of_a_line_is_its_start(value: float, slope: float, errors: list[float]) -> None:
     durations = [0.01 * 2**part for part in range(len(errors))]
-    means = [Mean(value + slope * t, u, 100.0) for t, u in zip(durations, errors, strict=True)]
+    means = [Mean(value + slope * t, u, 100.0, 20.0) for t, u in zip(durations, errors, strict=True)]
     assert hard_limit(durations, means).value == pytest.approx(value, abs=1e-9)
 
 
 def test_hard_limit_of_two_means_is_twice_the_nearer_less_the_other() -> None:
-    limit = hard_limit([0.02, 0.01], [Mean(5.0, 0.3, 50.0), Mean(4.0, 0.4, 20.0)])
+    limit = hard_limit([0.02, 0.01], [Mean(5.0, 0.3, 50.0, 10.0), Mean(4.0, 0.4, 20.0, 4.0)])
     assert limit.value == pytest.approx(3.0)
     assert limit.error == pytest.approx(math.hypot(0.3, 0.8))
     assert limit.independent == 20.0
@@ -36,7 +36,7 @@ def test_hard_limit_has_the_error_that_it_says() -> None:
     rng = np.random.default_rng(3)
     durations, errors = [0.04, 0.02, 0.01], np.array([0.1, 0.2, 0.1])
     limits = [
-        hard_limit(durations, [Mean(v, u, 50.0) for v, u in zip(rng.normal(0, errors), errors, strict=True)])
+        hard_limit(durations, [Mean(v, u, 50.0, 10.0) for v, u in zip(rng.normal(0, errors), errors, strict=True)])
         for _ in range(2000)
     ]
     values = np.array([limit.value for limit in limits])
@@ -47,7 +47,7 @@ def test_hard_limit_has_the_error_that_it_says() -> None:
 @pytest.mark.parametrize(("durations", "error"), [([0.01, 0.01], 1.0), ([0.02, 0.01], 0.0)])
 def test_hard_limit_needs_two_durations_and_errors(durations: list[float], error: float) -> None:
     with pytest.raises(ValueError, match="two durations and positive errors"):
-        hard_limit(durations, [Mean(1.0, error, 10.0), Mean(2.0, 1.0, 10.0)])
+        hard_limit(durations, [Mean(1.0, error, 10.0, 2.0), Mean(2.0, 1.0, 10.0, 2.0)])
 
 
 def _uniform(samples: int) -> Floats:

@@ -26,7 +26,7 @@ class Imagined:
         self.claims = {"scheme": claims}
         self._error = error
 
-    def run(self, scene: Scene, method: Method, engine: str | None = None) -> Run:
+    def run(self, scene: Scene, method: Method, engine: str | None = None, *, may_end_early: bool = False) -> Run:
         eccentricity = float(scene.name.removeprefix("kepler-e"))
         t = sample_times(scene, method)
         r, v = kepler.two_bodies(t, orbits.MASSES, eccentricity, orbits.AXIS, orbits.G)

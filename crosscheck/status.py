@@ -1,0 +1,59 @@
+"""What the exit status of `crosscheck run` says: green only if something was judged, and nothing was found."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from enum import IntEnum
+
+from crosscheck.record import Line
+
+
+class Status(IntEnum):
+    """Exit status of `crosscheck run`; where several hold, the first of FAILED, UNJUDGED, INCONCLUSIVE, PASSED."""
+
+    PASSED = 0
+    FAILED = 1
+    USAGE = 2
+    INCONCLUSIVE = 3
+    UNJUDGED = 4
+    INTERRUPTED = 130
+
+
+def of(lines: Sequence[Line], unjudged: Sequence[str], allow_inconclusive: bool) -> Status:
+    """The status of a run that went to its end.
+
+    lines: of the record, of all of its cases. unjudged: see `unjudged`. allow_inconclusive: such verdicts count as
+    passed.
+    """
+    outcomes = {line["outcome"] for line in lines}
+    if outcomes & {"fail", "error"}:
+        return Status.FAILED
+    if unjudged:
+        return Status.UNJUDGED
+    if "inconclusive" in outcomes and not allow_inconclusive:
+        return Status.INCONCLUSIVE
+    return Status.PASSED
+
+
+def unjudged(lines: Sequence[Line], engines: Sequence[str]) -> list[str]:
+    """Sentences on what was not judged: nothing at all, or nothing of one of `engines`, which the user has named.
+
+    lines: of the record, of all cases of the run.
+    """
+    if all(line["outcome"] == "skip" for line in lines):
+        return [f"nothing was judged: {_why(lines)}"]
+    found = []
+    for engine in dict.fromkeys(engines):
+        own = [line for line in lines if line["engine"] == engine]
+        if all(line["outcome"] == "skip" for line in own):
+            found.append(f"nothing was judged of {engine}: {_why(own)}")
+    return found
+
+
+def _why(skipped: Sequence[Line]) -> str:
+    if not skipped:
+        return "no check that was asked for matches what it declares (docs/engines.md)"
+    (reason, _), *others = Counter(str(line["message"]) for line in skipped).most_common()
+    more = f", and {len(others)} more" if others else ""
+    return f"{len(skipped)} skipped ({reason}{more})"

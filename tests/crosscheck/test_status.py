@@ -1,0 +1,53 @@
+"""Red goes before what was not judged, before what is inconclusive; green only if something was judged."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from crosscheck import status
+from crosscheck.status import Status
+
+
+def line(outcome: str, engine: str = "refimpl", message: str = "") -> dict[str, Any]:
+    return {"outcome": outcome, "engine": engine, "message": message}
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "unjudged", "expected"),
+    [
+        (["pass"], [], Status.PASSED),
+        (["pass", "skip"], [], Status.PASSED),
+        (["pass", "fail"], [], Status.FAILED),
+        (["pass", "error"], [], Status.FAILED),
+        (["pass", "inconclusive"], [], Status.INCONCLUSIVE),
+        (["fail", "inconclusive"], ["x"], Status.FAILED),
+        (["pass", "inconclusive"], ["x"], Status.UNJUDGED),
+        (["skip"], ["x"], Status.UNJUDGED),
+    ],
+)
+def test_of_several_the_worst(outcomes: list[str], unjudged: list[str], expected: Status) -> None:
+    lines = [line(outcome) for outcome in outcomes]
+    assert status.of(lines, unjudged, allow_inconclusive=False) == expected
+    allowed = Status.PASSED if expected == Status.INCONCLUSIVE else expected
+    assert status.of(lines, unjudged, allow_inconclusive=True) == allowed
+
+
+def test_skips_alone_are_nothing() -> None:
+    lines = [line("skip", message="one"), line("skip", message="two"), line("skip", message="two")]
+    assert status.unjudged(lines, []) == ["nothing was judged: 3 skipped (two, and 1 more)"]
+    assert status.unjudged([], []) == [
+        "nothing was judged: no check that was asked for matches what it declares (docs/engines.md)"
+    ]
+    for outcome in ("pass", "fail", "error", "inconclusive"):
+        assert status.unjudged([*lines, line(outcome)], []) == []
+
+
+def test_each_named_engine_is_judged() -> None:
+    lines = [line("pass"), line("skip", "lammps", "lammps: ImportError: absent")]
+    assert status.unjudged(lines, ["refimpl"]) == []
+    assert status.unjudged(lines, ["refimpl", "lammps", "ase", "lammps"]) == [
+        "nothing was judged of lammps: 1 skipped (lammps: ImportError: absent)",
+        "nothing was judged of ase: no check that was asked for matches what it declares (docs/engines.md)",
+    ]
