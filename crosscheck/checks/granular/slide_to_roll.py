@@ -256,13 +256,13 @@ CHECKS = (
                 ),
             ),
             (
-                "3d-hertz-mindlin",
+                "3d",
                 Fault(
-                    "spring-without-the-circle",
+                    "spin-about-y-turned-round",
                     CONTACTS,
-                    "stiffness = law[TANGENTIAL_STIFFNESS] * scale",
-                    "stiffness = 1.25 * law[TANGENTIAL_STIFFNESS] * scale",
-                    "the tangential spring of Mindlin is a quarter too stiff",
+                    "a[spins + 3 * i + 1] -= share * (n[2] * f[0] - n[0] * f[2])",
+                    "a[spins + 3 * i + 1] += share * (n[2] * f[0] - n[0] * f[2])",
+                    "the torque about the axis y has the wrong sign",
                 ),
             ),
         ),
