@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.base import Check, Laboratory, Variant, variants_of
 from crosscheck.checks.granular.impacts import (
     Floats,
     Impacts,
@@ -23,7 +23,7 @@ from crosscheck.checks.granular.impacts import (
     rebound,
     wander,
 )
-from crosscheck.checks.granular.soft_grains import CONTACTS, REFERENCE, soft_needs
+from crosscheck.checks.granular.soft_grains import CONTACTS, REFERENCE, contact_needs, soft_needs
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references.soft_impact import SoftContact, stiffness
@@ -94,7 +94,11 @@ OWN_COEFFICIENTS = tuple(
         ("hertz-mindlin", _ROUGH, _MODULI | {"gamma_n": 0.0, "gamma_t": _HERTZ_RATE}),
         ("hertz-mindlin-damped", _ROUGH, _DAMPED),
         ("hertz-mindlin-restitution", _ROUGH._replace(alpha=0.7), _MODULI),
-        ("hertz-springs-restitution", _ROUGH._replace(alpha=0.7), {"law": "hertz", "k_n": _HERTZ_K, "k_t": _HERTZ_K, "mu": 0.4}),
+        (
+            "hertz-springs-restitution",
+            _ROUGH._replace(alpha=0.7),
+            {"law": "hertz", "k_n": _HERTZ_K, "k_t": _HERTZ_K, "mu": 0.4},
+        ),
         ("hooke-springs-restitution", _ROUGH._replace(alpha=0.7), {"k_n": _K, "k_t": 0.5 * _K, "mu": 0.4}),
     )
 )
@@ -165,7 +169,8 @@ def _judge_two_codes(laboratory: Laboratory, pairs: _Pairs) -> Judged:
     ]  # fmt: skip
     judgements.append(
         bounded(
-            "pairs that have not met and parted", float((normal <= 0).sum()), 0.0, "two codes agree on what never touches",
+            "pairs that have not met and parted", float((normal <= 0).sum()), 0.0,
+            "two codes agree on what never touches",
             control=True,
         )
     )  # fmt: skip
@@ -197,8 +202,11 @@ CHECKS = (
         judge=_judge_two_codes,
         variants=(
             *variants_of({pairs.name: pairs for pairs in TWO_CODES}, "full"),
-            *variants_of({pairs.name: pairs for pairs in OWN_COEFFICIENTS}),
-            *variants_of({pairs.name: pairs for pairs in PLANE_COEFFICIENTS}),
+            *(
+                Variant(pairs.name, pairs, needs=contact_needs(Contact(**pairs.own)))
+                for pairs in (*OWN_COEFFICIENTS, *PLANE_COEFFICIENTS)
+                if pairs.own is not None
+            ),
         ),
         needs=soft_needs("method.contact.stiffness hard_spheres.restitution", "positions velocities"),
         faults=(

@@ -358,9 +358,7 @@ CONTRADICTIONS: list[tuple[Scene, dict[str, Any], str]] = [
         'gamma_n and box.faces."x-".restitution = 0.9 both',
     ),
     (
-        disks(
-            box=Box(lengths=(9.0, 9.0), boundaries=("open", "open"), cylinder=Cylinder(radius=4.0, restitution=0.9))
-        ),
+        disks(box=Box(lengths=(9.0, 9.0), boundaries=("open", "open"), cylinder=Cylinder(radius=4.0, restitution=0.9))),
         {"k_n": 1.0, "gamma_n": 0.1},
         "gamma_n and box.cylinder.restitution = 0.9 both",
     ),

@@ -99,7 +99,7 @@ def test_styles(contact: dict[str, Any], pairs: str, walls: str) -> None:
     laws = soft_spheres(scene, how.contact)
     commands = " ".join(granular._pairs(scene, laws, how.contact, scene.initial_state()))
     assert pairs in commands
-    assert f"granular {walls} yplane" in list(granular._walls(scene, laws, how))[0]
+    assert f"granular {walls} yplane" in next(iter(granular._walls(scene, laws, how)))
 
 
 # -- pairs -----------------------------------------------------------------------------------------

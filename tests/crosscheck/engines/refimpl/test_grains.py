@@ -333,7 +333,7 @@ def test_a_grain_that_rests_in_its_contact(refimpl: Worker) -> None:
     sliding = 0.5 * mass * ((v - mu * 0.6) ** 2 + 0.4 * (2.5 * mu * 0.6) ** 2)
     assert run["kinetic_energy"][1] == pytest.approx(sliding, abs=mass * v * mu * dt)
     assert run["final_positions"][0, 2] == pytest.approx(radius - mass / k, abs=1e3 * EPSILON * radius)
-    with pytest.raises(UsageError, match="beyond the wall z- by 1.77e-08"):
+    with pytest.raises(UsageError, match=r"beyond the wall z- by 1.77e-08"):
         refimpl.run(start.changed(output=Output()), Method(scheme="event_driven"))
 
 
