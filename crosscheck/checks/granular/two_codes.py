@@ -43,7 +43,7 @@ class _Pairs(NamedTuple):
 
     contact: None of smooth grains. unlike: masses and sizes are. wall: grains hit a wall, not each other. own: entries
     of a `scene.Contact` with coefficients of its own, in place of those that give the contact's restitutions; None: it
-    has none.
+    has none. begun: steps of the contact that lie before the start, in which grains then overlap.
     """
 
     name: str
@@ -52,6 +52,7 @@ class _Pairs(NamedTuple):
     unlike: bool = False
     wall: bool = False
     own: dict[str, Any] | None = None
+    begun: int = 0
 
 
 TWO_CODES = (
@@ -108,6 +109,12 @@ PLANE_COEFFICIENTS = (
     _Pairs("2d-hertz-mindlin-damped", 2, _ROUGH._replace(q=0.5), unlike=True, own=_DAMPED),
     _Pairs("2d-hertz-mindlin-damped-wall", 2, _ROUGH._replace(q=0.5), unlike=True, wall=True, own=_DAMPED),
 )
+#: Runs that start in the contact, with stretches of 0.
+BEGUN = (
+    _Pairs("3d-begun-gran-hooke-history", 3, _ROUGH, unlike=True, own=_HOOKE, begun=10),
+    _Pairs("3d-begun-hertz-mindlin", 3, _ROUGH, unlike=True, own=_DAMPED, begun=10),
+    _Pairs("3d-begun-hertz-mindlin-wall", 3, _ROUGH, unlike=True, wall=True, own=_DAMPED, begun=10),
+)
 
 
 def _sensitivity(law: Law, impacts: Impacts) -> float:
@@ -134,6 +141,7 @@ def _judge_two_codes(laboratory: Laboratory, pairs: _Pairs) -> Judged:
         pairs.dimension,
         np.zeros(_PAIRS) if contact is None else rng.uniform(0.0, 4.0, _PAIRS),
         laboratory.seed(),
+        phases=rng.random(_PAIRS) - 1 - pairs.begun if pairs.begun else None,
         masses=masses,
         diameters=diameters,
         q=None if contact is None else contact.q,
@@ -204,7 +212,7 @@ CHECKS = (
             *variants_of({pairs.name: pairs for pairs in TWO_CODES}, "full"),
             *(
                 Variant(pairs.name, pairs, needs=contact_needs(Contact(**pairs.own)))
-                for pairs in (*OWN_COEFFICIENTS, *PLANE_COEFFICIENTS)
+                for pairs in (*OWN_COEFFICIENTS, *PLANE_COEFFICIENTS, *BEGUN)
                 if pairs.own is not None
             ),
         ),

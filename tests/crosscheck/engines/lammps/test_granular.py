@@ -102,6 +102,37 @@ def test_styles(contact: dict[str, Any], pairs: str, walls: str) -> None:
     assert f"granular {walls} yplane" in next(iter(granular._walls(scene, laws, how)))
 
 
+@pytest.mark.parametrize("friction", ["history", "dashpot"])
+def test_starts_in_contact_with_each_other_and_with_a_cylinder(lammps: Worker, refimpl: Worker, friction: Any) -> None:
+    """The same motion as in refimpl: one grain deep in the cylinder's wall, and two in each other."""
+    rough = {"tangential_restitution": -1.0}
+    own = {"k_n": K, "gamma_n": 20.0, "gamma_t": 10.0, "mu": 0.4, "friction": friction}
+    scene = Scene(
+        name="begun",
+        dimension=2,
+        duration=0.05,
+        acceleration=(0.0, -1.0),
+        hard_spheres=HardSpheres(friction=GrainFriction(**rough)),
+        box=Box(
+            lengths=(8.0, 8.0),
+            boundaries=("open", "open"),
+            cylinder=Cylinder(radius=3.0, friction=Friction(**rough)),
+        ),
+        initial=explicit(
+            np.array([[4.0, 1.45], [3.5, 4.0], [4.45, 4.0]]),
+            np.array([[0.3, 0.1], [0.1, 0.2], [-0.1, -0.3]]),
+            np.array([[1.0], [2.0], [-0.5]]),
+        ),
+        output=Output(interval=0.05, observables=("kinetic_energy", "contact_time")),
+    )
+    how = method(1e-3, stiffness=None, **own, **({"k_t": K / 3} if friction == "history" else {}))
+    runs = [worker.run(scene, how) for worker in (refimpl, lammps)]
+    for name in ("final_positions", "final_velocities", "final_angular_velocities"):
+        # rounding of coordinates of 4, times omega^2 t, over 50 steps
+        np.testing.assert_allclose(runs[1][name], runs[0][name], atol=50 * 1e-15 * K * 0.05)
+    assert runs[0]["kinetic_energy"][-1] > 2 * runs[0]["kinetic_energy"][0]
+
+
 # -- pairs -----------------------------------------------------------------------------------------
 
 
