@@ -198,16 +198,16 @@ def _judge(laboratory: Laboratory, floor: _Floor) -> Judged:
     largest = _Errors(*(max(column) for column in zip(*errors, strict=True)))
     fastest = max(abs(v) + abs(s) for v, s in STARTS)
     judgements = [
-        round_off(
+        bounded(
             "largest error of v and R omega", largest.motion, tolerance,
             "two steps of slowing (start and end of sliding), the stretching of the spring at the start, and the phase "
             "of its swing",
         ),
-        round_off(
+        bounded(
             "largest error of the energy of a grain, with rotation", largest.energy, 2 * fastest * tolerance,
             "m v dv of velocities within their tolerance",
         ),
-        bounded(
+        round_off(
             "grains that rest in their contact: largest change of height", largest.strays,
             4 * math.sqrt(_STEPS) * EPSILON * _SIDE,
             "a coordinate is rounded at every step, a random walk",
