@@ -26,9 +26,9 @@ A contact may have coefficients of its own instead, the same for pairs and walls
 
     F_n = s k_n delta - eta_n v_n,        F_t = -s k_t xi - eta_t u, or -eta_t u ("dashpot"), up to mu |F_n|,
 
-and eta_n = s gamma_n m_eff, eta_t = s gamma_t m_eff; without gamma_n, eta_n is the one above that gives alpha. Between
-bodies of one material, of Young's modulus E and Poisson's ratio nu, s = sqrt(R_eff delta) is the radius of the circle of
-contact, 1/E_eff = 2 (1 - nu^2)/E and 1/G_eff = 4 (1 + nu) (2 - nu)/E, so that k_n = 4 E_eff/3 and k_t = 8 G_eff (Hertz;
+and eta_n = s gamma_n m_eff, eta_t = s gamma_t m_eff; without gamma_n, eta_n is the one above that gives alpha. Bodies
+of one material, of Young's modulus E and Poisson's ratio nu, touch on a circle of the radius sqrt(R_eff delta), and
+have 1/E_eff = 2 (1 - nu^2)/E and 1/G_eff = 4 (1 + nu) (2 - nu)/E, so that k_n = 4 E_eff/3 and k_t = 8 G_eff (Hertz;
 Mindlin without slip). The stiffness of a small tangential displacement is 2 (1 - nu)/(2 - nu) of the normal one.
 
 Literature: P. A. Cundall and O. D. L. Strack, Geotechnique 29, 47 (1979); Y. Tsuji, T. Tanaka and T. Ishida, Powder

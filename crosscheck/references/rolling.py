@@ -6,14 +6,16 @@ force F at the floor changes v by F/m and s by -F/(q m), so that v + q s = C nev
 
     v = (C + q u)/(1 + q),        s = (C - u)/(1 + q),        u' = (1 + 1/q) F/m.
 
-On a rigid floor F = -mu m g until u = 0: u falls by a = (1 + 1/q) mu g in unit time, for the time t_1 = |u_0|/a, and the
-grain rolls from there on, with v = s = C/(1 + q): 5/7 of v_0 for a ball that starts without spin (t_1 = 2 v_0/(7 mu g)),
-2/3 for a disk (t_1 = v_0/(3 mu g)). The work of friction is m u_0^2 q/(2 (1 + q)), 2/7 and 1/3 of m v_0^2/2.
+On a rigid floor F = -mu m g until u = 0: u falls by a = (1 + 1/q) mu g in unit time, for the time t_1 = |u_0|/a, and
+the grain rolls from there on, with v = s = C/(1 + q): 5/7 of v_0 for a ball that starts without spin, for which
+t_1 = 2 v_0/(7 mu g), and 2/3 for a disk, t_1 = v_0/(3 mu g). The work of friction is m u_0^2 q/(2 (1 + q)), 2/7 and 1/3
+of m v_0^2/2.
 
-On a soft floor F = -k_t xi - gamma_t m u below the limit, xi' = u: it is the law of Cundall and Strack. On the limit the
-spring keeps |F| = mu m g, and it sticks as soon as k_t xi + gamma_t m u would fall, at u_1 = gamma_t m a/k_t. From there on
+On a soft floor F = -k_t xi - gamma_t m u below the limit, xi' = u: it is the law of Cundall and Strack. On the limit
+the spring keeps |F| = mu m g, and it sticks as soon as k_t xi + gamma_t m u would fall, at u_1 = gamma_t m a/k_t, that
+is at t_1 = (u_0 - u_1)/a. From there on
 
-    u'' + b u' + w^2 u = 0,    b = (1 + 1/q) gamma_t,    w^2 = (1 + 1/q) k_t/m,    u = u_1, u' = -a at t_1 = (u_0 - u_1)/a:
+    u'' + b u' + w^2 u = 0,    b = (1 + 1/q) gamma_t,    w^2 = (1 + 1/q) k_t/m,    with u = u_1 and u' = -a at t_1:
 
 the grain rolls and swings about rolling. It swings by a/w at most, and by less each time: without gamma_t the limit is
 reached and not exceeded. What the spring takes to be stretched to the limit at the start, mu m g/(k_t u_0) at most, is

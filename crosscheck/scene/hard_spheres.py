@@ -183,22 +183,18 @@ def check_hard_state(
     if overlap is not None:
         lattice = isinstance(scene.initial, Lattice)
         smaller = float(state.diameters[[overlap.i, overlap.j]].min()) / 2
+        much = f" by more than the smaller of their radii, {smaller:.6g}" if soft else ""
         raise UsageError(
-            f"particles {overlap.i} and {overlap.j} overlap{_too_much(soft, smaller)}: their centres are "
+            f"particles {overlap.i} and {overlap.j} overlap{much}: their centres are "
             f"{overlap.distance:.9g} apart, and their contact distance is {overlap.contact:.9g} "
             f"(gap {overlap.distance - overlap.contact:.3g}): "
             + ("take fewer particles, smaller ones or a larger box" if lattice else "move one of them")
         )
 
 
-def _too_much(soft: bool, radius: float) -> str:
-    """Which overlap soft particles may not have; nothing of hard ones, which may have none."""
-    return f" by more than soft spheres can, their smaller radius {radius:.6g}" if soft else ""
-
-
 def _refuse_beyond_walls(scene: SceneEntries, state: State, rounding: float, soft: bool) -> None:
     # a soft grain may reach beyond a wall by its radius: its centre is inside
-    reach = 0.0 if soft else 1.0
+    reach, much = (0.0, ", more than its radius") if soft else (1.0, "")
     assert scene.box is not None
     assert state.lengths is not None
     assert state.diameters is not None
@@ -221,7 +217,7 @@ def _refuse_beyond_walls(scene: SceneEntries, state: State, rounding: float, sof
         if gaps[i] < -rounding:
             raise UsageError(
                 f"particle {i} is beyond the wall {AXES[axis]}{'-+'[upper]} by {(1 - reach) * radii[i] - gaps[i]:.3g}"
-                f"{_too_much(soft, radii[i])}: its centre must be at least {wall + reach * radii[i]:.6g} from "
+                f"{much}: its centre must be at least {wall + reach * radii[i]:.6g} from "
                 f"{AXES[axis]} = {length if upper else 0.0:g}; it is at {x[i]:.9g}"
             )
     if scene.box.cylinder is not None:
@@ -236,7 +232,6 @@ def _refuse_beyond_walls(scene: SceneEntries, state: State, rounding: float, sof
         i = int(gaps.argmin())
         if gaps[i] < -rounding:
             raise UsageError(
-                f"particle {i} is beyond the cylinder by {(1 - reach) * radii[i] - gaps[i]:.3g}"
-                f"{_too_much(soft, radii[i])}: its centre must be within "
-                f"{radius - reach * radii[i]:.6g} of the axis; it is {distances[i]:.9g} away"
+                f"particle {i} is beyond the cylinder by {(1 - reach) * radii[i] - gaps[i]:.3g}{much}: "
+                f"its centre must be within {radius - reach * radii[i]:.6g} of the axis; it is {distances[i]:.9g} away"
             )

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.granular.impacts import (
     CENTRAL_DURATION,
     PHASES,
@@ -29,7 +29,7 @@ from crosscheck.checks.granular.impacts import (
     rounded_speed,
     wander,
 )
-from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
+from crosscheck.checks.granular.soft_grains import CONTACTS, contact_needs, soft_needs
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -188,7 +188,10 @@ CHECKS = (
         criterion="bounds of first order in c omega_0 dt and second in omega_0 dt, and the order of v'/v in dt",
         citation="Schaefer, Dippel & Wolf, J. Phys. I France 6, 5 (1996); Antypov & Elliott, EPL 94, 50004 (2011)",
         judge=_judge_head_on,
-        variants=variants_of({setup.name: setup for setup in SETUPS}),
+        variants=tuple(
+            Variant(setup.name, setup, needs=None if setup.own is None else contact_needs(setup.own(1.0, 0.5)))
+            for setup in SETUPS
+        ),
         needs=soft_needs("dimension=2 method.contact.stiffness hard_spheres.restitution", "positions velocities"),
         faults=(
             (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from crosscheck.engines.capabilities import Needs
+from crosscheck.scene import Contact
 
 #: The engine of the runs that others are compared with: event-driven ones, and soft ones where two codes are compared.
 REFERENCE = "refimpl"
@@ -17,3 +18,10 @@ def soft_needs(words: str = "", observables: str = "") -> Needs:
     """
     contact = "method.contact method.contact.law=hooke"
     return Needs("hard_spheres", ("stepping",), frozenset(f"{contact} {words}".split()), frozenset(observables.split()))
+
+
+def contact_needs(contact: Contact) -> Needs:
+    """What a variant asks of an engine whose soft contacts have the entries of `contact`."""
+    entries = contact.model_fields_set - {"law", "friction"}
+    words = {f"method.contact.{name}" for name in entries} | {f"method.contact.law={contact.law}"}
+    return Needs("hard_spheres", ("stepping",), frozenset(words))

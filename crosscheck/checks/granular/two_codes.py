@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.base import Check, Laboratory, Variant, variants_of
 from crosscheck.checks.granular.impacts import (
     Floats,
     Impacts,
@@ -23,7 +23,7 @@ from crosscheck.checks.granular.impacts import (
     rebound,
     wander,
 )
-from crosscheck.checks.granular.soft_grains import CONTACTS, REFERENCE, soft_needs
+from crosscheck.checks.granular.soft_grains import CONTACTS, REFERENCE, contact_needs, soft_needs
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references.soft_impact import SoftContact, stiffness
@@ -43,7 +43,7 @@ class _Pairs(NamedTuple):
 
     contact: None of smooth grains. unlike: masses and sizes are. wall: grains hit a wall, not each other. own: entries
     of a `scene.Contact` with coefficients of its own, in place of those that give the contact's restitutions; None: it
-    has none.
+    has none. begun: steps of the contact that lie before the start, in which grains then overlap.
     """
 
     name: str
@@ -52,6 +52,7 @@ class _Pairs(NamedTuple):
     unlike: bool = False
     wall: bool = False
     own: dict[str, Any] | None = None
+    begun: int = 0
 
 
 TWO_CODES = (
@@ -94,7 +95,11 @@ OWN_COEFFICIENTS = tuple(
         ("hertz-mindlin", _ROUGH, _MODULI | {"gamma_n": 0.0, "gamma_t": _HERTZ_RATE}),
         ("hertz-mindlin-damped", _ROUGH, _DAMPED),
         ("hertz-mindlin-restitution", _ROUGH._replace(alpha=0.7), _MODULI),
-        ("hertz-springs-restitution", _ROUGH._replace(alpha=0.7), {"law": "hertz", "k_n": _HERTZ_K, "k_t": _HERTZ_K, "mu": 0.4}),
+        (
+            "hertz-springs-restitution",
+            _ROUGH._replace(alpha=0.7),
+            {"law": "hertz", "k_n": _HERTZ_K, "k_t": _HERTZ_K, "mu": 0.4},
+        ),
         ("hooke-springs-restitution", _ROUGH._replace(alpha=0.7), {"k_n": _K, "k_t": 0.5 * _K, "mu": 0.4}),
     )
 )
@@ -103,6 +108,12 @@ PLANE_COEFFICIENTS = (
     _Pairs("2d-gran-hooke-history", 2, _ROUGH._replace(q=0.5), unlike=True, own=_HOOKE),
     _Pairs("2d-hertz-mindlin-damped", 2, _ROUGH._replace(q=0.5), unlike=True, own=_DAMPED),
     _Pairs("2d-hertz-mindlin-damped-wall", 2, _ROUGH._replace(q=0.5), unlike=True, wall=True, own=_DAMPED),
+)
+#: Runs that start in the contact, with stretches of 0.
+BEGUN = (
+    _Pairs("3d-begun-gran-hooke-history", 3, _ROUGH, unlike=True, own=_HOOKE, begun=10),
+    _Pairs("3d-begun-hertz-mindlin", 3, _ROUGH, unlike=True, own=_DAMPED, begun=10),
+    _Pairs("3d-begun-hertz-mindlin-wall", 3, _ROUGH, unlike=True, wall=True, own=_DAMPED, begun=10),
 )
 
 
@@ -130,6 +141,7 @@ def _judge_two_codes(laboratory: Laboratory, pairs: _Pairs) -> Judged:
         pairs.dimension,
         np.zeros(_PAIRS) if contact is None else rng.uniform(0.0, 4.0, _PAIRS),
         laboratory.seed(),
+        phases=rng.random(_PAIRS) - 1 - pairs.begun if pairs.begun else None,
         masses=masses,
         diameters=diameters,
         q=None if contact is None else contact.q,
@@ -165,7 +177,8 @@ def _judge_two_codes(laboratory: Laboratory, pairs: _Pairs) -> Judged:
     ]  # fmt: skip
     judgements.append(
         bounded(
-            "pairs that have not met and parted", float((normal <= 0).sum()), 0.0, "two codes agree on what never touches",
+            "pairs that have not met and parted", float((normal <= 0).sum()), 0.0,
+            "two codes agree on what never touches",
             control=True,
         )
     )  # fmt: skip
@@ -197,8 +210,11 @@ CHECKS = (
         judge=_judge_two_codes,
         variants=(
             *variants_of({pairs.name: pairs for pairs in TWO_CODES}, "full"),
-            *variants_of({pairs.name: pairs for pairs in OWN_COEFFICIENTS}),
-            *variants_of({pairs.name: pairs for pairs in PLANE_COEFFICIENTS}),
+            *(
+                Variant(pairs.name, pairs, needs=contact_needs(Contact(**pairs.own)))
+                for pairs in (*OWN_COEFFICIENTS, *PLANE_COEFFICIENTS, *BEGUN)
+                if pairs.own is not None
+            ),
         ),
         needs=soft_needs("method.contact.stiffness hard_spheres.restitution", "positions velocities"),
         faults=(

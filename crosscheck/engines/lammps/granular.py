@@ -13,6 +13,9 @@ the contact, and yields NaN without normal damping. At a plane, the tangential s
 E and nu, walls have the stiffnesses that follow: `hertz/material` of a wall has another mean of the moduli than of a
 pair (https://github.com/lammps/lammps/issues/4141).
 
+A region that moves (the turning cylinder, an oscillating face) has no velocity before the first step: grains that start
+in contact with it feel a wall at rest in the first half-step.
+
 The forces are evaluated with the velocities at the half-step: with dashpots or friction the scheme is of order 1.
 
 Literature: L. E. Silbert et al., Phys. Rev. E 64, 051302 (2001), and the manual's pages of these styles.

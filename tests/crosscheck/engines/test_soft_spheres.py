@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import tomli_w
 from hypothesis import given
 from hypothesis import strategies as st
 from refusals import refused
@@ -17,11 +20,14 @@ from crosscheck.engines.soft_spheres import (
     contact_duration,
     contact_stiffness,
     inertia_ratio,
+    remarks,
     resolved,
     soft_spheres,
     unsupported,
 )
 from crosscheck.errors import UsageError
+from crosscheck.references.hertz_mindlin import Material, Pressed
+from crosscheck.references.soft_impact import HertzImpact
 from crosscheck.scene import (
     Box,
     Contact,
@@ -294,19 +300,203 @@ def test_what_is_taken(scene: Scene, method: Method) -> None:
     [
         ({}, "exactly one of stiffness, duration, k_n and E"),
         ({"stiffness": 1.0, "duration": 1.0}, "exactly one of stiffness, duration, k_n and E"),
-        ({"duration": 1.0, "law": "hertz"}, "give stiffness, and method.dt"),
-        ({"stiffness": 1.0, "law": "hertz", "resolution": 0.1}, "give stiffness, and method.dt"),
+        ({"duration": 1.0, "law": "hertz"}, "give stiffness, k_n or E, and method.dt"),
+        ({"stiffness": 1.0, "law": "hertz", "resolution": 0.1}, "give stiffness, k_n or E, and method.dt"),
+        ({"k_n": 1.0, "law": "hertz", "resolution": 0.1}, "give stiffness, k_n or E, and method.dt"),
         ({"stiffness": 0.0}, "greater than 0"),
         ({"duration": -1.0}, "greater than 0"),
         ({"duration": 1.0, "resolution": 0.0}, "greater than 0"),
         ({"stiffness": 1.0, "law": "linear"}, "'hooke' or 'hertz'"),
         ({"stiffness": 1.0, "friction": "none"}, "'history' or 'dashpot'"),
         ({"stiffness": 1.0, "damping": 0.1}, "Extra inputs"),
+        ({"k_n": 1.0, "stiffness": 1.0}, "k_n and E .*found stiffness and k_n"),
+        ({"k_n": 1.0, "duration": 1.0}, "found duration and k_n"),
+        ({"k_n": 1.0, "E": 1.0, "nu": 0.3, "law": "hertz"}, "found k_n and E"),
+        ({"gamma_n": 1.0}, "found none"),
+        ({"stiffness": 1.0, "gamma_n": 1.0, "mu": 0.1}, "stiffness and gamma_n: .*remove gamma_n and mu, or give k_n"),
+        ({"duration": 1.0, "k_t": 1.0}, "duration and k_t: with duration all else follows"),
+        ({"stiffness": 1.0, "nu": 0.3}, "stiffness and nu"),
+        ({"E": 1.0, "law": "hertz"}, "E and nu go together"),
+        ({"k_n": 1.0, "nu": 0.3}, "E and nu go together"),
+        ({"E": 1.0, "nu": 0.3}, 'moduli of law = "hertz"'),
+        ({"E": 1.0, "nu": 0.3, "k_t": 1.0, "law": "hertz"}, "the tangential stiffness follows from E and nu"),
+        ({"E": 1.0, "nu": 0.6, "law": "hertz"}, "less than or equal to 0.5"),
+        ({"E": 1.0, "nu": -1.0, "law": "hertz"}, "greater than -1"),
+        ({"k_n": 1.0, "gamma_t": 1.0}, "gamma_t needs gamma_n"),
+        ({"k_n": 1.0, "gamma_n": -1.0}, "greater than or equal to 0"),
+        ({"k_n": 1.0, "mu": -1.0}, "greater than or equal to 0"),
+        ({"k_n": 0.0}, "greater than 0"),
+        ({"k_n": 1.0, "k_t": 1.0, "friction": "dashpot"}, '"dashpot" has no tangential spring'),
+        ({"E": 1.0, "nu": 0.3, "law": "hertz", "friction": "dashpot"}, '"dashpot" has no tangential spring'),
     ],
 )
-def test_contacts_say_what_is_wrong_with_them(entries: dict[str, Any], message: str) -> None:
+def test_contacts_say_what_is_wrong_with_them(entries: dict[str, Any], message: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=message):
         Contact(**entries)
+    # in the file of a scene, one line
+    path, table = tmp_path / "scene.toml", tomllib.loads(disks(method=soft()).to_toml())
+    table["method"]["contact"] = entries
+    path.write_text(tomli_w.dumps(table), encoding="utf-8")
+    with pytest.raises(UsageError, match=message if "Extra" not in message else "damping") as error:
+        Scene.load(path)
+    assert len(str(error.value).splitlines()) == 1
+
+
+#: (scene, contact, what is wrong with the two together).
+CONTRADICTIONS: list[tuple[Scene, dict[str, Any], str]] = [
+    (disks(), {"k_n": 1.0, "k_t": 1.0}, r"method.contact.k_t: smooth grains: add \[hard_spheres.friction\]"),
+    (disks(), {"k_n": 1.0, "mu": 0.1}, "method.contact.mu: smooth grains"),
+    (disks(), {"k_n": 1.0, "gamma_n": 0.0, "gamma_t": 0.1}, "method.contact.gamma_t: smooth grains"),
+    (
+        disks(hard_spheres=HardSpheres(restitution=0.5)),
+        {"k_n": 1.0, "gamma_n": 0.1},
+        "gamma_n and hard_spheres.restitution = 0.5 both say what a contact dissipates",
+    ),
+    (
+        hard(x_lower=Face(restitution=0.9)),
+        {"k_n": 1.0, "k_t": 1.0, "gamma_n": 0.1},
+        'gamma_n and box.faces."x-".restitution = 0.9 both',
+    ),
+    (
+        disks(box=Box(lengths=(9.0, 9.0), boundaries=("open", "open"), cylinder=Cylinder(radius=4.0, restitution=0.9))),
+        {"k_n": 1.0, "gamma_n": 0.1},
+        "gamma_n and box.cylinder.restitution = 0.9 both",
+    ),
+    (
+        disks(hard_spheres=HardSpheres(friction=ROUGH)),
+        {"k_n": 1.0, "k_t": 1.0, "mu": 0.1},
+        "mu and hard_spheres.friction.sliding = 0.2 both limit the friction",
+    ),
+    (
+        disks(hard_spheres=HardSpheres(friction=ROUGH)),
+        {"k_n": 7.0},
+        r"method.contact.k_t is missing: .* as k_t = 2 \(2/7 of k_n\)",
+    ),
+    (
+        disks(hard_spheres=HardSpheres(friction=ROUGH)),
+        {"k_n": 7.0, "gamma_n": 1.0, "friction": "dashpot"},
+        "method.contact.gamma_t is missing",
+    ),
+    (disks(), {"k_n": 1.0, "gamma_n": 10.0, "resolution": 0.1}, "so large that contacts do not end"),
+]
+
+
+@pytest.mark.parametrize(("scene", "contact", "message"), CONTRADICTIONS)
+def test_a_contact_and_a_scene_that_contradict_each_other(scene: Scene, contact: dict[str, Any], message: str) -> None:
+    with pytest.raises(UsageError, match=message) as error:
+        resolved(scene, Method(scheme="velocity_verlet", contact=Contact(**contact)))
+    assert len(str(error.value).splitlines()) == 1
+
+
+# -- coefficients of a contact's own -----------------------------------------------------------------------------------
+
+FREE = HardSpheres(friction=GrainFriction(tangential_restitution=-1.0))
+
+
+def test_coefficients_are_handed_over_as_they_are() -> None:
+    own = {"k_n": 7.0, "k_t": 2.0, "gamma_n": 0.5, "gamma_t": 0.25, "mu": 0.3}
+    faces = {
+        "x-": Face(friction=Friction(tangential_restitution=-1.0)),
+        "x+": Face(friction=Friction(tangential_restitution=1.0)),
+        "y-": Face(),
+        "y+": Face(open=True),
+    }
+    scene = disks(hard_spheres=FREE, box=Box(lengths=(9.0, 9.0), boundaries=("hard", "hard"), faces=faces))
+    laws = soft_spheres(scene, Contact(**own))
+    assert laws.by_mass
+    assert not laws.granular
+    assert laws.pair == (7.0, 0.5, 2.0, 0.25, 0.3)
+    # smooth where there is no friction
+    assert laws.faces == (laws.pair, (7.0, 0.5, 0, 0, 0), (7.0, 0.5, 0, 0, 0), None)
+
+
+def test_friction_without_mu_is_that_of_the_scene() -> None:
+    contact = Contact(k_n=7.0, k_t=2.0, gamma_n=0.5)
+    assert soft_spheres(disks(hard_spheres=FREE), contact).pair.friction == math.inf
+    assert soft_spheres(disks(hard_spheres=HardSpheres(friction=ROUGH)), contact).pair.friction == 0.2
+
+
+@given(st.floats(1.0, 1e9), st.floats(-0.9, 0.5))
+def test_moduli_are_those_of_hertz_and_mindlin(young: float, nu: float) -> None:
+    contact = Contact(law="hertz", E=young, nu=nu, gamma_n=0.0)
+    law = soft_spheres(disks(hard_spheres=FREE), contact).pair
+    pressed = Pressed(Material(young, nu), 1.0, 1.0)
+    assert law.stiffness == pytest.approx(pressed.force, rel=1e-12)
+    assert law.tangential_stiffness == pytest.approx(pressed.tangential_stiffness, rel=1e-12)
+
+
+def test_without_gamma_n_the_restitution_gives_the_damping() -> None:
+    scene = disks(hard_spheres=HardSpheres(restitution=0.6, friction=ROUGH))
+    for own, mapped in (
+        (Contact(k_n=7.0, k_t=1.0), Contact(stiffness=7.0)),
+        (Contact(law="hertz", k_n=7.0, k_t=1.0), Contact(law="hertz", stiffness=7.0)),
+    ):
+        laws = soft_spheres(scene, own)
+        assert not laws.by_mass
+        smooth = disks(hard_spheres=HardSpheres(restitution=0.6))
+        assert laws.pair.damping == soft_spheres(smooth, mapped).pair.damping
+        assert laws.pair[2:] == (1.0, 0.0, 0.2)
+
+
+@given(st.floats(0.5, 0.999), st.floats(0.1, 10.0), st.floats(1.0, 1e6))
+def test_duration_by_rates_is_that_by_restitution(alpha: float, mass: float, k: float) -> None:
+    by_restitution = disks(masses=mass, hard_spheres=HardSpheres(restitution=alpha))
+    t_c = contact_duration(by_restitution, Contact(stiffness=k))
+    rate = -2 * math.log(alpha) / t_c
+    assert contact_duration(disks(masses=mass), Contact(k_n=k, gamma_n=rate)) == pytest.approx(t_c, rel=1e-12)
+    resolution = resolved(disks(masses=mass), soft(stiffness=None, k_n=k, gamma_n=rate, resolution=0.1)).step
+    assert resolution <= 0.1 * t_c * (1 + 1e-11)
+
+
+def test_which_equations_of_lammps() -> None:
+    one, several = disks(hard_spheres=FREE), disks(hard_spheres=FREE, masses=(1.0, 2.0))
+    rates = {"gamma_n": 1.0, "gamma_t": 1.0}
+    for contact, of_one, of_several in (
+        (Contact(stiffness=1.0), False, True),
+        (Contact(law="hertz", stiffness=1.0), True, True),
+        (Contact(k_n=1.0, k_t=1.0, **rates), False, False),
+        (Contact(k_n=1.0, friction="dashpot", **rates), False, False),
+        (Contact(law="hertz", k_n=1.0, k_t=1.0, **rates), False, False),
+        (Contact(law="hertz", k_n=1.0, friction="dashpot", **rates), True, True),
+        (Contact(law="hertz", E=1.0, nu=0.3, **rates), True, True),
+    ):
+        assert soft_spheres(one, contact).granular == of_one
+        assert soft_spheres(several, contact).granular == of_several
+
+
+@pytest.mark.parametrize(
+    ("contact", "dt", "speed", "words"),
+    [
+        ({"stiffness": 100.0}, 0.01, 1.0, []),
+        ({"stiffness": 100.0}, 0.03, 1.0, ["dt = 0.03 is 0.14 of the shortest contact, 0.222"]),
+        ({"k_n": 100.0, "k_t": 1.0, "gamma_n": 1.0}, 0.01, 1.0, []),
+        ({"k_n": 100.0, "k_t": 1e4, "gamma_n": 1.0}, 0.01, 1.0, ["dt = 0.01 is 0.78 of the shortest contact, 0.0128"]),
+        ({"k_n": 1.0, "k_t": 1.0, "gamma_n": 100.0}, 0.01, 1.0, []),
+        # two disks of mass 1 and radius 1/2 that meet with twice the largest speed
+        ({"law": "hertz", "k_n": 1e4, "k_t": 1.0}, 0.006, 1.0, []),
+        (
+            {"law": "hertz", "k_n": 1e4, "k_t": 1.0},
+            0.01,
+            1.0,
+            [f"of the shortest contact, {HertzImpact(0.5, 1e4, 0.25, 2.0).contact_time:.3g}"],
+        ),
+        ({"law": "hertz", "k_n": 1e4, "k_t": 1.0}, 0.3, 0.0, []),
+    ],
+)
+def test_remarks(contact: dict[str, Any], dt: float, speed: float, words: list[str]) -> None:
+    method = Method(scheme="velocity_verlet", dt=dt, contact=Contact(**contact))
+    found = remarks(disks(hard_spheres=FREE), method, np.array([[speed, 0.0], [0.0, 0.0]]))
+    assert len(found) == len(words)
+    for remark, part in zip(found, words, strict=True):
+        assert part in remark
+        assert remark.endswith(".")
+
+
+def test_a_tangential_restitution_that_is_not_used_is_remarked_upon() -> None:
+    for alpha_t, number in ((0.3, 1), (1.0, 0), (-1.0, 0)):
+        scene = disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=alpha_t)))
+        method = Method(scheme="velocity_verlet", dt=1e-3, contact=Contact(k_n=100.0, k_t=1.0))
+        assert len(remarks(scene, method, np.zeros((2, 2)))) == number
 
 
 def test_one_step_or_the_other() -> None:
@@ -320,6 +510,8 @@ def test_one_step_or_the_other() -> None:
         Contact(stiffness=1e4),
         Contact(law="hertz", stiffness=3.0, friction="dashpot"),
         Contact(duration=0.01, resolution=1 / 50),
+        Contact(k_n=7.0, k_t=2.0, gamma_n=0.5, gamma_t=0.25, mu=0.3),
+        Contact(law="hertz", E=7.0, nu=0.3),
     ],
 )
 def test_toml_keeps_a_method_with_a_contact(contact: Contact, tmp_path: Path) -> None:

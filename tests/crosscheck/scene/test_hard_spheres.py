@@ -12,6 +12,7 @@ from scene_files import DISKS, DRUM, FLUID, MIXTURE, ROUGH, SPRING, TURNING, ass
 from crosscheck.errors import UsageError
 from crosscheck.scene import (
     Box,
+    Contact,
     HardSpheres,
     Lattice,
     Scene,
@@ -110,6 +111,49 @@ def test_hard_states_that_cannot_be(tmp_path: Path, table: dict[str, Any], path:
 
 def test_touching_is_no_overlap(tmp_path: Path) -> None:
     load(tmp_path, changed(DISKS, "initial.positions", [[1.0, 0.5], [2.0 - 1e-12, 0.5]])).initial_state()
+
+
+#: (table, changes, what a start with soft contacts is refused for; None: it is not).
+SOFT_STARTS: list[tuple[dict[str, Any], dict[str, Any], str | None]] = [
+    (DISKS, {"initial.positions": [[1.0, 1.0], [1.51, 1.0]]}, None),
+    (DISKS, {"initial.positions": [[1.0, 1.0], [1.49, 1.0]]},
+     r"particles 0 and 1 overlap by more than the smaller of their radii, 0.5: their centres are 0.49 apart"),
+    (DISKS, {"initial.positions": [[0.2, 2.0], [4.7, 2.0]]}, None),
+    (DISKS, {"initial.positions": [[0.2, 2.0], [4.8, 2.0]]},
+     "particles 0 and 1 overlap by more than the smaller of their radii, 0.5"),
+    (DISKS, {"initial.positions": [[1.0, 0.01], [3.0, 3.0]]}, None),
+    (DISKS, {"initial.positions": [[1.0, -0.01], [3.0, 3.0]]},
+     r"particle 0 is beyond the wall y- by 0.51, more than its radius: its centre "
+     r"must be at least 0 from y = 0; it is at -0.01"),
+    (DISKS, {"initial.positions": [[1.0, 1.0], [3.0, 7.0]]},
+     r"particle 1 is beyond the wall y\+ by 2.5, more than its radius"),
+    (DRUM, {"initial.positions": [[2.5, 2.5], [2.5, 4.6]]}, None),
+    (DRUM, {"initial.positions": [[2.5, 2.5], [2.5, 5.01]]},
+     "particle 1 is beyond the cylinder by 0.51, more than its radius: its centre must be within 2.5 of the axis"),
+    (DISKS, {"box.faces": {"y-": {"oscillation": {"amplitude": 5.1, "frequency": 1.0}}}},
+     "walls that oscillate along y leave no room"),
+    (DISKS, {"hard_spheres.diameter": [1.0, 0.2], "species": [0, 1], "initial.positions": [[1.0, 1.0], [1.51, 1.0]]},
+     None),
+    (DISKS, {"hard_spheres.diameter": [1.0, 0.2], "species": [0, 1], "initial.positions": [[1.0, 1.0], [1.49, 1.0]]},
+     "smaller of their radii, 0.1"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("table", "changes", "message"), SOFT_STARTS)
+def test_soft_spheres_may_start_in_contact_and_hard_ones_may_not(
+    tmp_path: Path, table: dict[str, Any], changes: dict[str, Any], message: str | None
+) -> None:
+    for path, value in changes.items():
+        table = changed(table, path, value)
+    scene, contact = load(tmp_path, table), Contact(stiffness=1.0)
+    with pytest.raises(UsageError, match=r"overlap|beyond the|leave no room"):
+        scene.initial_state()
+    if message is None:
+        np.testing.assert_array_equal(scene.initial_state(contact).positions, table["initial"]["positions"])
+        return
+    with pytest.raises(UsageError, match=message) as error:
+        scene.initial_state(contact)
+    assert len(str(error.value).splitlines()) == 1
 
 
 def test_fixed_particles(tmp_path: Path) -> None:

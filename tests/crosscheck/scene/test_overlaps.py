@@ -38,21 +38,32 @@ def all_pairs(positions: Any, diameters: Any, fixed: Any, periods: Any) -> Any:
     some_fixed=st.booleans(),
     wraps=st.tuples(st.booleans(), st.booleans(), st.booleans()),
     room=st.floats(9, 60),
+    soft=st.booleans(),
 )
 def test_finds_an_overlap_where_there_is_one(
-    seed: int, number: int, dimension: int, sizes: tuple[float, ...], some_fixed: bool, wraps: Any, room: float
+    seed: int,
+    number: int,
+    dimension: int,
+    sizes: tuple[float, ...],
+    some_fixed: bool,
+    wraps: Any,
+    room: float,
+    soft: bool,
 ) -> None:
+    """Of soft particles, one by more than the smaller radius."""
     rng = np.random.default_rng(seed)
     positions = rng.uniform(-room, 2 * room, (number, dimension))
     diameters = rng.choice(sizes, number) * rng.choice([1.0, 0.9], number)
     fixed = rng.random(number) < 0.5 * some_fixed
     periods = np.where(wraps[:dimension], room, 0.0)
-    found = find_overlap(positions, diameters, fixed, periods, 1e-9)
+    found = find_overlap(positions, diameters, fixed, periods, 1e-9, soft)
     gaps = all_pairs(positions, diameters, fixed, periods)
+    allowed = 0.5 * np.minimum(diameters[:, None], diameters[None]) * soft
     if found is None:
-        assert gaps.min() >= -1e-9 - 1e-12
+        assert (gaps + allowed).min() >= -1e-9 - 1e-12
         return
     assert found.i < found.j
+    assert gaps[found.i, found.j] + allowed[found.i, found.j] < -1e-9 + 1e-12
     assert found.distance - found.contact == pytest.approx(gaps[found.i, found.j], abs=1e-12)
     assert found.contact == 0.5 * (diameters[found.i] + diameters[found.j])
 

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from crosscheck.engines.lammps import granular
+from crosscheck.engines.soft_spheres import soft_spheres
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.scene import (
     Box,
@@ -47,6 +49,88 @@ def moved(vectors: Any) -> np.ndarray:
     vectors = np.asarray(vectors, dtype=float)
     before = 2 if vectors.shape[-1] == 1 else 0
     return np.pad(vectors, ((0, 0), (before, 3 - before - vectors.shape[-1])))
+
+
+# -- coefficients of a contact's own ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("contact", "pairs", "walls"),
+    [
+        (
+            {"k_n": 7.0, "k_t": 2.0, "gamma_n": 0.5, "gamma_t": 0.25, "mu": 0.3},
+            "gran/hooke/history 7.0 2.0 0.5 0.25 0.3 1",
+            "hooke 7.0 0.5 damping mass_velocity tangential linear_history 2.0 0.5 0.3",
+        ),
+        (
+            {"k_n": 7.0, "friction": "dashpot", "gamma_n": 0.0, "gamma_t": 2.0, "mu": 0.3},
+            "gran/hooke 7.0 0.0 0.0 2.0 0.3 1",
+            f"hooke 7.0 {2.0**-59!r} damping mass_velocity tangential linear_nohistory {2.0**60!r} 0.3",
+        ),
+        (
+            {"law": "hertz", "k_n": 7.0, "k_t": 2.0, "gamma_n": 0.5, "mu": 0.3},
+            "gran/hertz/history 7.0 2.0 0.5 0.0 0.3 1",
+            "hertz 7.0 0.5 damping viscoelastic tangential mindlin 2.0 0.0 0.3",
+        ),
+        (
+            {"law": "hertz", "E": 9.0, "nu": 0.5, "gamma_n": 0.5, "gamma_t": 0.5},
+            "hertz/material 9.0 0.5 0.5 damping viscoelastic tangential mindlin NULL 1.0 10000.0",
+            "hertz 8.0 0.5 damping viscoelastic tangential mindlin 8.0 1.0 10000.0",
+        ),
+        (
+            {"law": "hertz", "E": 9.0, "nu": 0.5},
+            "hertz/material 9.0 1.0 0.5 damping coeff_restitution tangential mindlin NULL 0.0 10000.0",
+            "hertz 8.0 1.0 damping coeff_restitution tangential mindlin 8.0 0.0 10000.0",
+        ),
+    ],
+)
+def test_styles(contact: dict[str, Any], pairs: str, walls: str) -> None:
+    rough = {"tangential_restitution": -1.0}
+    scene = Scene(
+        name="s",
+        dimension=2,
+        duration=1.0,
+        hard_spheres=HardSpheres(friction=GrainFriction(**rough)),
+        box=Box(lengths=(5.0, 5.0), boundaries=("open", "hard"), faces={"y-": Face(friction=Friction(**rough))}),
+        initial=explicit(np.ones((1, 2)), np.ones((1, 2))),
+    )
+    how = Method(scheme="velocity_verlet", dt=0.1, contact=Contact(**contact))
+    assert how.contact is not None
+    laws = soft_spheres(scene, how.contact)
+    commands = " ".join(granular._pairs(scene, laws, how.contact, scene.initial_state()))
+    assert pairs in commands
+    assert f"granular {walls} yplane" in next(iter(granular._walls(scene, laws, how)))
+
+
+@pytest.mark.parametrize("friction", ["history", "dashpot"])
+def test_starts_in_contact_with_each_other_and_with_a_cylinder(lammps: Worker, refimpl: Worker, friction: Any) -> None:
+    """The same motion as in refimpl: one grain deep in the cylinder's wall, and two in each other."""
+    rough = {"tangential_restitution": -1.0}
+    own = {"k_n": K, "gamma_n": 20.0, "gamma_t": 10.0, "mu": 0.4, "friction": friction}
+    scene = Scene(
+        name="begun",
+        dimension=2,
+        duration=0.05,
+        acceleration=(0.0, -1.0),
+        hard_spheres=HardSpheres(friction=GrainFriction(**rough)),
+        box=Box(
+            lengths=(8.0, 8.0),
+            boundaries=("open", "open"),
+            cylinder=Cylinder(radius=3.0, friction=Friction(**rough)),
+        ),
+        initial=explicit(
+            np.array([[4.0, 1.45], [3.5, 4.0], [4.45, 4.0]]),
+            np.array([[0.3, 0.1], [0.1, 0.2], [-0.1, -0.3]]),
+            np.array([[1.0], [2.0], [-0.5]]),
+        ),
+        output=Output(interval=0.05, observables=("kinetic_energy", "contact_time")),
+    )
+    how = method(1e-3, stiffness=None, **own, **({"k_t": K / 3} if friction == "history" else {}))
+    runs = [worker.run(scene, how) for worker in (refimpl, lammps)]
+    for name in ("final_positions", "final_velocities", "final_angular_velocities"):
+        # rounding of coordinates of 4, times omega^2 t, over 50 steps
+        np.testing.assert_allclose(runs[1][name], runs[0][name], atol=50 * 1e-15 * K * 0.05)
+    assert runs[0]["kinetic_energy"][-1] > 2 * runs[0]["kinetic_energy"][0]
 
 
 # -- pairs -----------------------------------------------------------------------------------------

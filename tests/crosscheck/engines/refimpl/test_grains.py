@@ -303,6 +303,40 @@ def test_turning_cylinder(refimpl: Worker, dimension: int, axis: Any) -> None:
     assert run["wall_torque"][-1] == pytest.approx(sense * (moment + spin), abs=1e3 * EPSILON)
 
 
+def test_a_grain_that_rests_in_its_contact(refimpl: Worker) -> None:
+    """A ball pushed along its floor, sunk by m g/k, slides and rolls at 5/7 v_0 after 2 v_0/(7 mu g)."""
+    mass, radius, k, v, mu = 0.00017671458676442588, 0.0025, 1e4, 1.4, 0.4
+    slippery = {"tangential_restitution": 0.0, "static": mu, "sliding": mu}
+    start = scene(
+        [[0.5, 0.05, radius - mass / k]],
+        [[v, 0.0, 0.0]],
+        masses=mass,
+        duration=1.2,
+        acceleration=(0.0, 0.0, -1.0),
+        hard_spheres=HardSpheres(diameter=2 * radius, restitution=0.5, friction=GrainFriction(**slippery)),
+        box=Box(
+            lengths=(4.0, 0.1, 0.1),
+            boundaries=("periodic", "periodic", "hard"),
+            faces={"z-": Face(restitution=0.5, friction=Friction(**slippery))},
+        ),
+        output=Output(interval=0.6, observables=("kinetic_energy", "contact_time")),
+    )
+    dt = 1e-5
+    method = Method(scheme="velocity_verlet", dt=dt, contact=Contact(stiffness=k))
+    run = refimpl.run(start, method)
+    # at its end the tangential spring swings: w^2 = (1 + 1/q) k_t/m, k_t/k = q/(1 + q) (pi/2)^2/(pi^2 + ln^2 alpha)
+    w = math.sqrt(k / mass * (math.pi / 2) ** 2 / (math.pi**2 + math.log(0.5) ** 2))
+    swing = mu / w + 7 * mu * dt
+    assert run["final_velocities"][0, 0] == pytest.approx(5 / 7 * v, abs=swing)
+    assert radius * run["final_angular_velocities"][0, 1] == pytest.approx(5 / 7 * v, abs=3.5 * swing)
+    # slid for 0.6 of the 1.0 that it takes
+    sliding = 0.5 * mass * ((v - mu * 0.6) ** 2 + 0.4 * (2.5 * mu * 0.6) ** 2)
+    assert run["kinetic_energy"][1] == pytest.approx(sliding, abs=mass * v * mu * dt)
+    assert run["final_positions"][0, 2] == pytest.approx(radius - mass / k, abs=1e3 * EPSILON * radius)
+    with pytest.raises(UsageError, match=r"beyond the wall z- by 1.77e-08"):
+        refimpl.run(start.changed(output=Output()), Method(scheme="event_driven"))
+
+
 # -- the engine's contract ---------------------------------------------------------------------------------------------
 
 
