@@ -67,7 +67,12 @@ class RefimplEngine:
     schemes |= {name: Claims(kind="event_driven") for name in SCHEDULERS}
     schemes |= {name: Claims(kind="lattice") for name in EVOLVERS}
     capabilities = (
-        capability("spring", "stepping", words="dimension=1 dimension=2 dimension=3 spring.gamma", observables=_SMOOTH),
+        capability(
+            "spring",
+            "stepping",
+            words="dimension=1 dimension=2 dimension=3 masses[] spring.gamma",
+            observables=_SMOOTH,
+        ),
         capability(
             "gravity",
             "stepping",

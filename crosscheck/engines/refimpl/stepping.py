@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from crosscheck.engines.protocol import Cost, Run, sample_times, timed
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
@@ -102,7 +104,7 @@ def force_record(scene: Scene, state: State) -> Any:
     if scene.spring is not None:
         from refimpl.stepping.forces.spring import spring
 
-        return spring(scene.spring.k, float(state.masses[0]), scene.spring.gamma)
+        return spring(scene.spring.k, np.repeat(state.masses, scene.dimension), scene.spring.gamma)
     if scene.gravity is not None:
         from refimpl.stepping.forces.gravity import gravity
 
