@@ -76,7 +76,7 @@ class RefimplEngine:
         capability(
             "gravity",
             "stepping",
-            words="dimension=1 dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening",
+            words="dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening",
             observables=_SMOOTH,
         ),
         capability(
@@ -135,6 +135,10 @@ class RefimplEngine:
             return unsupported(scene, method.scheme)
         if scene.hard_spheres is not None and self.schemes[method.scheme].kind == "stepping":
             return soft_spheres.unsupported(scene, method)
+        if scene.lennard_jones is not None:
+            from crosscheck.engines.refimpl.stepping import unsupported_fluid
+
+            return unsupported_fluid(scene)
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
