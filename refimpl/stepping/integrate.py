@@ -1,4 +1,10 @@
-"""The step loop: any scheme with any force, compiled once per pair of types, nothing recorded that is not asked for."""
+"""The step loop: any scheme with any force, compiled once per pair of types, nothing recorded that is not asked for.
+
+Coordinates are not wrapped into the box, so that trajectories have no jumps. But one that is FAR_OUT box sides away or
+further is brought back by whole sides, and the number of sides is kept: a particle that streams through periodic images
+for 1e12 steps is moved with a rounding of FAR_OUT sides times 1e-16, not of its whole path. The shifts are powers of
+two times the side, between half of the coordinate and all of it, so that subtracting them rounds nothing.
+"""
 
 from __future__ import annotations
 
@@ -18,10 +24,16 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     energy_and_virial,
     enlarge,
+    forget,
     kinetic_energy,
+    periods,
     status,
 )
 from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
+
+#: Coordinates further from the origin than so many periods are brought back, looked for after every STRIDE steps.
+FAR_OUT = 2.0**12
+STRIDE = 2**14
 
 
 def step(self: Any, force: Force, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
@@ -91,11 +103,46 @@ def _enlarged(force: Force, r: np.ndarray, v: np.ndarray, outcome: int) -> Force
     return enlarge(force) if outcome == NEEDS_CAPACITY else None
 
 
+class _Turns:
+    """By how many periods the coordinates of the step loop differ from those of the particles.
+
+    possible: whether any coordinate has a period. turns: (N*d,), whole numbers, exact up to 2^53.
+    """
+
+    def __init__(self, box: np.ndarray | None) -> None:
+        self.possible = box is not None
+        self._box = np.zeros(0) if box is None else box
+        self.turns = np.zeros(self._box.size)
+
+    def excess(self, r: np.ndarray) -> np.ndarray | None:
+        """What to subtract from coordinates FAR_OUT periods away or further, (N*d,); None if there are none.
+
+        It is noted as subtracted. Of a coordinate, the largest power of two times the period that goes into it.
+        """
+        if not self.possible:
+            return None
+        ratio = np.divide(r, self._box, out=np.zeros_like(r), where=self._box > 0)
+        far = (abs(ratio) >= FAR_OUT) & np.isfinite(ratio)
+        if not far.any():
+            return None
+        turns = np.where(far, np.copysign(np.ldexp(0.5, np.frexp(abs(ratio))[1]), ratio), 0.0)
+        self.turns += turns
+        return turns * self._box
+
+    def true(self, r: np.ndarray) -> np.ndarray:
+        """The coordinates of the particles, where those of the step loop, or the last ones of them, are r, (..., n)."""
+        if not self.turns.any():
+            return r
+        size = r.shape[-1]
+        return r + (self.turns * self._box)[self._box.size - size :]
+
+
 @dataclass
 class Integration:
     """The result of `integrate`. Sample s is at time s * every * dt; sample 0 is the initial state.
 
-    r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a non-finite state.
+    r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a state that is not
+    finite, or in which the force found a particle lost.
     positions, velocities: (samples, N*d), or fewer coordinates if asked so, or None. thermo: (samples, 3), columns K,
     U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended.
     """
@@ -159,6 +206,9 @@ def integrate(
     velocities = positions.copy()
     energies = np.full((samples, 3), np.nan) if thermo else None
 
+    start, away = r, _Turns(periods(force))
+    while (excess := away.excess(r)) is not None:
+        r = r - excess
     while True:
         # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
@@ -168,7 +218,7 @@ def integrate(
             break
         force = larger
     if trajectory:
-        positions[0], velocities[0] = r[r.size - width :], v[r.size - width :]
+        positions[0], velocities[0] = start[r.size - width :], v[r.size - width :]
     if energies is not None:
         energies[0] = thermo_now(force, r, v)
         while status(force) == NEEDS_CAPACITY:
@@ -177,13 +227,24 @@ def integrate(
 
     done = 0
     while outcome != DIVERGED and done < steps:
-        until = steps if pace is None else min(steps, done + pace(done))
+        before = done
+        stop = min(steps, done + STRIDE) if away.possible else steps
+        stop = stop if pace is None else min(stop, done + pace(done))
         (r, v, memory), done, outcome = _advance(
-            record, force, (r, v, memory), dt, done, until, every, (positions, velocities), energies
+            record, force, (r, v, memory), dt, done, stop, every, (positions, velocities), energies
         )
+        recorded = slice(before // every + 1, done // every + 1) if trajectory else slice(0, 0)
+        positions[recorded] = away.true(positions[recorded])
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
         if larger is not None:
             force, outcome = larger, GOOD
+        while (excess := away.excess(r)) is not None:
+            r = r - excess
+            memory = record.moved(memory, -excess) if hasattr(record, "moved") else memory
+            forget(force)
+    if away.turns.any():
+        forget(force)
+        r = away.true(r) if done else start
     diverged = outcome == DIVERGED or not bool(np.isfinite(r).all() and np.isfinite(v).all())
     return Integration(
         r=r,

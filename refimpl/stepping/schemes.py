@@ -1,11 +1,13 @@
 """Time-integration schemes for m r'' = f(r, v): pure step functions on arrays, and the table of what each claims.
 
-A scheme is a record (a `NamedTuple`, usually without fields) with two pure functions:
+A scheme is a record (a `NamedTuple`, usually without fields) with two pure functions, or three:
 
 `start(force, r, v, dt) -> memory`
     what the scheme carries from step to step besides `r` and `v`, a tuple of arrays;
 `step(force, r, v, memory, dt) -> (r, v, memory)`
-    the state one step later, positions and velocities at the same time.
+    the state one step later, positions and velocities at the same time;
+`moved(memory, by) -> memory`, of schemes whose memory holds positions
+    the memory after all positions have changed by `by`, (N*d,), whole periods of the box. Called from Python only.
 
 `force`: a record with the functions of `forces.generic`; `accelerate(force, r, v)` is f/m. `r`, `v`: flat coordinates
 and velocities, shape (N*d,). `dt`: the time step, in the unit of time of the force. The functions run as plain numpy,
@@ -85,6 +87,9 @@ class Verlet(NamedTuple):
         a = accelerate(force, r_now, (r_now - r) / dt)
         r_ahead = 2.0 * r_now - r + dt**2 * a
         return r_now, (r_ahead - r) / (2.0 * dt), (r_ahead,)
+
+    def moved(self, memory: Memory, by: Array) -> Memory:
+        return (memory[0] + by,)
 
 
 class LeapFrog(NamedTuple):
@@ -204,6 +209,11 @@ class Gear(NamedTuple):
         for q in range(size):
             scaled[q] += self.corrector[q] * change
         return scaled[0].copy(), scaled[1] / dt, (scaled,)
+
+    def moved(self, memory: Memory, by: Array) -> Memory:
+        scaled = memory[0].copy()
+        scaled[0] += by
+        return (scaled,)
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,12 @@ _MPI = "libmpi.so.12"
 #: Up to this number of particles in open space, all pairs are tested for neighbours: LAMMPS's cells fail on a cluster
 #: that flies apart.
 FEW = 1000
+#: LAMMPS counts the boxes that a particle has crossed in so few bits that it wraps after 512 of them (2^20 where it was
+#: built for more). They are read after so many steps, in which it crosses at most as many, or after more where it would
+#: cross no more than these even if its speed rose to _FASTER times the largest.
+_STEPS_BETWEEN_COUNTS, _FASTER = 500, 16.0
+#: Steps that one command `run` may take: LAMMPS refuses 2^31.
+_MOST_STEPS = 2**30
 #: Parts of LAMMPS's error messages which say that the motion has diverged; all others are errors.
 _DIVERGENCE = (
     "Lost atoms",
@@ -70,7 +76,7 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
             if "positions" in run and "velocities" in run:
                 for sample in range(1, times.size):
                     report(sample / times.size)
-                    lmp.command(f"run {every} pre no {whole}")
+                    _run(lmp, atoms, method.step, every, whole)
                     run["positions"][sample], run["velocities"][sample] = atoms.positions(), atoms.velocities()
                     if "angular_velocities" in run:
                         run["angular_velocities"][sample] = atoms.angular_velocities()
@@ -80,11 +86,11 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
                 pace, done = Pace(times.size), 0
                 while done < times.size - 1:
                     part = min(times.size - 1 - done, pace.more(done))
-                    lmp.command(f"run {part * every} pre no {whole}")
+                    _run(lmp, atoms, method.step, part * every, whole)
                     done += part
                 rest = steps - done * every
             if rest:
-                lmp.command(f"run {rest} pre no {whole}")
+                _run(lmp, atoms, method.step, rest, whole)
         except Exception as error:
             if not any(part in str(error) for part in _DIVERGENCE):
                 raise
@@ -104,6 +110,17 @@ def advance(lmp: Any, atoms: Atoms, scene: Scene, method: Method) -> tuple[Run, 
     return run, good
 
 
+def _run(lmp: Any, atoms: Atoms, dt: float, steps: int, options: str) -> None:
+    """Takes steps of dt, and counts on the way which boxes the particles are in. options: of LAMMPS's command `run`."""
+    while True:
+        some = steps if steps <= _STEPS_BETWEEN_COUNTS else min(steps, atoms.steps_between_counts(dt))
+        lmp.command(f"run {some} pre no {options}")
+        atoms.count_boxes()
+        steps -= some
+        if steps == 0:
+            return
+
+
 def pair_virial(dimension: int) -> list[str]:
     """Commands that define the variable `virial`, W = d V P, from the pressure P of the pair forces alone.
 
@@ -115,14 +132,18 @@ def pair_virial(dimension: int) -> list[str]:
 class Atoms:
     """The particles of a scene in a LAMMPS instance, in the scene's order.
 
-    LAMMPS holds wrapped positions and counts how often a particle crosses the box; the periodic image in which it
-    starts is kept here. lmp: the LAMMPS instance. scene: gives the periodic axes. state: the initial state.
+    LAMMPS holds wrapped positions and counts how often a particle crosses the box, in a counter that wraps; the periodic
+    image in which it starts, and the counts, are kept here. lmp: the LAMMPS instance. scene: gives the periodic axes.
+    state: the initial state. periodic: whether any axis is.
     """
 
     def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
         self._lmp = lmp
         self.state = state
         self._periods = periods = scene.periods()
+        self.periodic = bool(periods.any())
+        self._counter = 2**10 if lmp.extract_setting("imageint") == 4 else 2**21
+        self._boxes = np.zeros(state.positions.shape, dtype=np.int64)
         lengths = np.where(periods > 0, periods, np.inf)
         self._first_image = np.floor(state.positions / lengths) * periods
         self.wrapped = state.positions - self._first_image
@@ -145,9 +166,24 @@ class Atoms:
         columns = flat.size // len(self.state.masses)
         self._lmp.scatter_atoms(name, 1, columns, (ctypes.c_double * flat.size)(*flat))
 
+    def steps_between_counts(self, dt: float) -> int:
+        """After how many steps of `dt` the counts of crossed boxes must be read again."""
+        if not self.periodic:
+            return _MOST_STEPS
+        fastest = float((abs(self.velocities()) / np.where(self._periods > 0, self._periods, np.inf)).max())
+        crossed = _FASTER * fastest * dt  # boxes a step
+        return _STEPS_BETWEEN_COUNTS if crossed == 0 else int(max(1.0, min(1 / crossed, 1e6)) * _STEPS_BETWEEN_COUNTS)
+
+    def count_boxes(self) -> None:
+        """Reads LAMMPS's counts of crossed boxes; to be called before any can have changed by half of their range."""
+        if self.periodic:
+            half = self._counter // 2
+            change = self._components("image", 0).astype(np.int64) - self._boxes
+            self._boxes += (change + half) % self._counter - half
+
     def positions(self) -> Floats:
         """Unwrapped positions, (N, d), length."""
-        return self._components("x") + (self._components("image", 0) * self._periods + self._first_image)
+        return self._components("x") + (self._boxes * self._periods + self._first_image)
 
     def velocities(self) -> Floats:
         """Velocities, (N, d), length/time."""

@@ -69,11 +69,16 @@ class RefimplEngine:
     schemes |= {name: Claims(kind="event_driven") for name in SCHEDULERS}
     schemes |= {name: Claims(kind="lattice") for name in EVOLVERS}
     capabilities = (
-        capability("spring", "stepping", words="dimension=1 dimension=2 dimension=3 spring.gamma", observables=_SMOOTH),
+        capability(
+            "spring",
+            "stepping",
+            words="dimension=1 dimension=2 dimension=3 masses[] spring.gamma",
+            observables=_SMOOTH,
+        ),
         capability(
             "gravity",
             "stepping",
-            words="dimension=1 dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening",
+            words="dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening",
             observables=_SMOOTH,
         ),
         capability(
@@ -132,6 +137,10 @@ class RefimplEngine:
             return unsupported(scene, method.scheme)
         if scene.hard_spheres is not None and self.schemes[method.scheme].kind == "stepping":
             return soft_spheres.unsupported(scene, method)
+        if scene.lennard_jones is not None:
+            from crosscheck.engines.refimpl.stepping import unsupported_fluid
+
+            return unsupported_fluid(scene)
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from crosscheck.engines.progress import Pace, stage
 from crosscheck.engines.protocol import Cost, Run, sample_times, timed
 from crosscheck.engines.workers.cache import one_at_a_time
@@ -109,12 +111,25 @@ def run_steps(scene: Scene, method: Method) -> Run:
     return run
 
 
+def unsupported_fluid(scene: Scene) -> str | None:
+    """None, or why `refimpl` cannot compute the forces of a scene of [lennard_jones]: too many images in a short box.
+
+    UsageError if the initial state of the scene is impossible.
+    """
+    state = scene.initial_state()
+    try:
+        force_record(scene, state)
+    except ValueError as error:
+        return str(error)
+    return None
+
+
 def force_record(scene: Scene, state: State) -> Any:
     """The force record of `refimpl` for a scene. state: its initial state, which gives masses, species and the box."""
     if scene.spring is not None:
         from refimpl.stepping.forces.spring import spring
 
-        return spring(scene.spring.k, float(state.masses[0]), scene.spring.gamma)
+        return spring(scene.spring.k, np.repeat(state.masses, scene.dimension), scene.spring.gamma)
     if scene.gravity is not None:
         from refimpl.stepping.forces.gravity import gravity
 
@@ -130,7 +145,7 @@ def force_record(scene: Scene, state: State) -> Any:
         dimension=scene.dimension,
         lengths=None if state.lengths is None else tuple(state.lengths.tolist()),
         periodic=tuple(boundary == "periodic" for boundary in scene.boundaries),
-        species=state.species,
+        species=state.species if np.size(lj.epsilon) > 1 or np.size(lj.length) > 1 else None,
         epsilon=lj.epsilon,
         sigma=lj.length,
         length_form=lj.length_form,

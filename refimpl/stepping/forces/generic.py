@@ -26,7 +26,7 @@ Force: TypeAlias = Any
 #: `status` values of a force, read by the step loop after every evaluation.
 GOOD = 0
 NEEDS_CAPACITY = 1  # a work array is too small: `enlarge` the force and repeat the step
-DIVERGED = 2  # a coordinate is not finite, absurdly far off, or on the wrong side of a wall
+DIVERGED = 2  # a coordinate is not finite, has leapt (`kernels.neighbours`), or is on the wrong side of a wall
 
 _implementations: dict[Callable[..., Any], dict[type, Callable[..., Any]]] = {}
 _defaults: dict[Callable[..., Any], Callable[..., Any]] = {}
@@ -110,6 +110,17 @@ def status(force: Force) -> int:
 def enlarge(force: Force) -> Force:
     """The same force with larger work arrays, after `status` was NEEDS_CAPACITY. Called from Python only."""
     raise NotImplementedError("this force has no work arrays")
+
+
+@_dispatched
+def periods(force: Force) -> np.ndarray | None:
+    """Periods of the coordinates, (N*d,), 0 for one without; None if none has one. Called from Python only."""
+    return None
+
+
+@_dispatched
+def forget(force: Force) -> None:
+    """Drops what was kept of earlier coordinates, which have moved by whole periods. Called from Python only."""
 
 
 @overload(accelerate, inline="never", strict=False)

@@ -41,11 +41,14 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     energy_and_virial,
     enlarge,
+    forget,
     implements,
     kinetic_energy,
+    periods,
     status,
 )
 from refimpl.stepping.kernels.contacts import (
+    LISTED,
     NEEDED,
     NO_LIMIT,
     STATUS,
@@ -334,3 +337,19 @@ def _enlarge(force: Grains) -> Grains:
     # the smaller force may be used again: nothing that says what is in the arrays is shared with it
     own = {name: getattr(force, name).copy() for name in ("bookkeeping", "built", "clock", "wall_stretches")}
     return force._replace(pairs=pairs, reach2=reach2, touching=touching, stretches=stretches, **own)
+
+
+@implements(periods, Grains)
+def _periods(force: Grains) -> np.ndarray | None:
+    """None along gravity, whose energy is that of the place and not of the place in the box."""
+    sides = np.where(force.gravity == 0, force.sides, 0.0)
+    if not sides.any():
+        return None
+    number = len(force.radii)
+    turning = 0 if force.inverse_inertias is None else number * (3 if len(sides) == 3 else 1)
+    return np.concatenate([np.tile(sides, number), np.zeros(turning + force.auxiliary)])
+
+
+@implements(forget, Grains)
+def _forget(force: Grains) -> None:
+    force.bookkeeping[LISTED] = 0

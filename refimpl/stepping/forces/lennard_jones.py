@@ -32,8 +32,10 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     energy_and_virial,
     enlarge,
+    forget,
     implements,
     kinetic_energy,
+    periods,
     potential_energy,
     status,
     virial,
@@ -42,6 +44,7 @@ from refimpl.stepping.kernels.lennard_jones import between_walls, tile_accelerat
 from refimpl.stepping.kernels.neighbours import (
     BUILDS,
     STATUS,
+    VALID,
     Neighbours,
     copy_to_slots,
     enlarge_neighbours,
@@ -452,3 +455,13 @@ def _status(force: LennardJones) -> int:
 @implements(enlarge, LennardJones)
 def _enlarge(force: LennardJones) -> LennardJones:
     return _with_slots(force._replace(neighbours=enlarge_neighbours(force.neighbours)))
+
+
+@implements(periods, LennardJones)
+def _periods(force: LennardJones) -> np.ndarray | None:
+    return np.tile(force.neighbours.sides, len(force.neighbours.order)) if any(force.neighbours.sides) else None
+
+
+@implements(forget, LennardJones)
+def _forget(force: LennardJones) -> None:
+    force.neighbours.bookkeeping[VALID] = 0

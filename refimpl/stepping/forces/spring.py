@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -20,30 +20,36 @@ from refimpl.stepping.forces.generic import (
 class Spring(NamedTuple):
     """m a = -k r - gamma v, every coordinate on its own; `gamma` None leaves the damping out of the kernel.
 
-    k: stiffness, force/length. gamma: friction coefficient, mass/time. mass: of every particle.
+    k: stiffness, force/length. gamma: friction coefficient, mass/time. mass: of every particle; where they differ, of
+    every coordinate, (N*d,).
     """
 
     k: float
-    mass: float
+    mass: Any
     gamma: float | None
 
 
-def spring(k: float, mass: float = 1.0, gamma: float | None = None) -> Spring:
-    """A `Spring`; ValueError unless k > 0, mass > 0 and gamma >= 0 are finite.
+def spring(k: float, mass: float | np.ndarray = 1.0, gamma: float | None = None) -> Spring:
+    """A `Spring`; ValueError unless k > 0, all masses > 0 and gamma >= 0 are finite.
+
+    k: stiffness, force/length. mass: of every particle, or of every coordinate, (N*d,). gamma: friction coefficient,
+    mass/time; None: no damping.
 
     Literature: any text on mechanics, e.g. Landau and Lifshitz, Mechanics, section 25.
     """
     if not (np.isfinite(k) and k > 0):
         raise ValueError(f"spring stiffness k must be positive and finite, got {k}")
-    if not (np.isfinite(mass) and mass > 0):
+    masses = np.array(mass, dtype=np.float64)
+    if masses.ndim > 1 or not (masses.size and np.isfinite(masses).all() and masses.min() > 0):
         raise ValueError(f"mass must be positive and finite, got {mass}")
     if gamma is not None and not (np.isfinite(gamma) and gamma >= 0):
         raise ValueError(f"friction gamma must be non-negative and finite, got {gamma}")
-    return Spring(float(k), float(mass), None if not gamma else float(gamma))
+    one = bool((masses == masses.flat[0]).all())
+    return Spring(float(k), float(masses.flat[0]) if one else masses, None if not gamma else float(gamma))
 
 
 @register_jitable
-def _spring_acceleration(r: np.ndarray, v: np.ndarray, k: float, mass: float, gamma: float | None) -> np.ndarray:
+def _spring_acceleration(r: np.ndarray, v: np.ndarray, k: float, mass: Any, gamma: float | None) -> np.ndarray:
     if gamma is None:
         return -(k / mass) * r
     return -(k / mass) * r - (gamma / mass) * v
@@ -66,12 +72,12 @@ def _virial(force: Spring, r: np.ndarray) -> float:
 
 @implements(kinetic_energy, Spring)
 def _kinetic_energy(force: Spring, v: np.ndarray) -> float:
-    return 0.5 * force.mass * np.sum(v * v)
+    return 0.5 * np.sum(force.mass * (v * v))
 
 
 @register_jitable
 def _spring_derivatives(
-    r: np.ndarray, v: np.ndarray, count: int, k: float, mass: float, gamma: float | None
+    r: np.ndarray, v: np.ndarray, count: int, k: float, mass: Any, gamma: float | None
 ) -> np.ndarray:
     higher = np.empty((count, r.size))
     below, last = v, _spring_acceleration(r, v, k, mass, gamma)

@@ -2,7 +2,8 @@
 
 Vectors have three components here; grains in the plane have z = 0 and spin about z. A pair list holds all pairs whose
 surfaces were nearer than `skin` when it was made, and is good until a grain has moved by skin/2 (Verlet 1967); cells as
-wide as the largest diameter and the skin make it in O(N).
+wide as the largest diameter and the skin make it in O(N). A grain is lost as in `refimpl.stepping.kernels.neighbours`,
+with the largest diameter and the skin as the list radius.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numba import njit
 
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
 from refimpl.stepping.kernels.compiled import internal
-from refimpl.stepping.kernels.neighbours import FAR, SAFE
+from refimpl.stepping.kernels.neighbours import FAR, LOST, ROUNDING, SAFE
 
 #: Places of the numbers in the row of a law.
 STIFFNESS, DAMPING, TANGENTIAL_STIFFNESS, TANGENTIAL_DAMPING, FRICTION = range(5)
@@ -144,6 +145,15 @@ def _add_torque(dimension, spins, a, i, share, n, f):  # type: ignore[no-untyped
 
 
 @internal
+def _list_radius(radii, skin):  # type: ignore[no-untyped-def]
+    """The largest diameter and the skin: no pair of a list is further apart."""
+    largest = 0.0
+    for radius in radii:
+        largest = max(largest, radius)
+    return 2.0 * largest + skin
+
+
+@internal
 def _has_moved(r, built, dimension, skin):  # type: ignore[no-untyped-def]
     """True if a grain is further than skin/2 from where the list was made, or its place is not a number."""
     limit2 = (0.5 * SAFE * skin) ** 2
@@ -174,10 +184,10 @@ def _find_pairs(force, r):  # type: ignore[no-untyped-def]
     """Number of pairs i < j with surfaces nearer than skin, and, as far as there is room, the pairs."""
     sides, radii, skin, pairs, reach2 = force.sides, force.radii, force.skin, force.pairs, force.reach2
     d, number = len(sides), len(radii)
-    largest = 0.0
-    for i in range(number):
-        largest = max(largest, radii[i])
-    reach = (2.0 * largest + skin) / SAFE
+    farthest = 0.0
+    for k in range(d * number):
+        farthest = max(farthest, abs(r[k]))
+    reach = _list_radius(radii, skin) / SAFE + ROUNDING * farthest
     low, width, cells = np.zeros(3), np.ones(3), np.ones(3, dtype=np.int64)
     for k in range(d):
         extent = sides[k]
@@ -187,7 +197,7 @@ def _find_pairs(force, r):  # type: ignore[no-untyped-def]
                 low[k], high = min(low[k], r[d * i + k]), max(high, r[d * i + k])
             extent = high - low[k]
         # no more cells than grains along an axis: empty ones cost too
-        cells[k] = max(1, min(number, int(extent / reach)))
+        cells[k] = max(1, int(min(number, extent / reach)))
         width[k] = extent / cells[k] if extent > 0.0 else 1.0
     while cells[0] * cells[1] * cells[2] > 8 * number + 64:
         longest = 0
@@ -201,7 +211,9 @@ def _find_pairs(force, r):  # type: ignore[no-untyped-def]
     for i in range(number):
         for k in range(d):
             x = np.floor((r[d * i + k] - low[k]) / width[k])
-            place[i, k] = int(x) % cells[k] if sides[k] > 0.0 else min(max(int(x), 0), cells[k] - 1)
+            if sides[k] > 0.0:
+                x -= cells[k] * np.floor(x / cells[k])
+            place[i, k] = int(min(max(x, 0.0), cells[k] - 1.0))
         cell = (place[i, 0] * cells[1] + place[i, 1]) * cells[2] + place[i, 2]
         following[i] = first[cell]
         first[cell] = i + 1
@@ -256,9 +268,8 @@ def _make_list(force, r):  # type: ignore[no-untyped-def]
     """A new pair list for the positions r; stretches of pairs that touch are carried over."""
     radii, built, pairs, touching, stretches = force.radii, force.built, force.pairs, force.touching, force.stretches
     bookkeeping = force.bookkeeping
-    far = FAR * radii[0]
     for k in range(len(built)):
-        if not -far <= r[k] <= far:
+        if not -LOST <= r[k] <= LOST:
             return DIVERGED
     # the pairs that touch, as a chain from the first grain of each; numbers from 1, 0 ends it
     remembered = bookkeeping[PAIRS] if len(touching) > 0 else 0
@@ -302,8 +313,12 @@ def _list_is_valid(force, r):  # type: ignore[no-untyped-def]
     """Makes a new pair list if this one may miss a contact at r; False, with the reason in STATUS, if it cannot."""
     bookkeeping = force.bookkeeping
     bookkeeping[STATUS] = GOOD
-    if bookkeeping[LISTED] == 0 or _has_moved(r, force.built, len(force.sides), force.skin):
+    listed, d = bookkeeping[LISTED], len(force.sides)
+    if listed == 0 or _has_moved(r, force.built, d, force.skin):
         bookkeeping[LISTED] = 0
+        if listed == 1 and _has_moved(r, force.built, d, 2.0 * FAR * _list_radius(force.radii, force.skin)):
+            bookkeeping[STATUS] = DIVERGED
+            return False
         bookkeeping[STATUS] = _make_list(force, r)
         if bookkeeping[STATUS] == GOOD:
             bookkeeping[LISTED] = 1

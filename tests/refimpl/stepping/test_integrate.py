@@ -19,8 +19,10 @@ from refimpl.stepping.forces.generic import (
     NEEDS_CAPACITY,
     accelerate,
     enlarge,
+    forget,
     implements,
     kinetic_energy,
+    periods,
     potential_energy,
     status,
     virial,
@@ -220,6 +222,51 @@ def test_a_start_that_diverges_takes_no_step() -> None:
     run = integrate("velocity_verlet", fussy(np.inf, end=0.5), R, V, 0.1, 20, trajectory=True)
     assert (run.diverged, run.steps) == (True, 0)
     np.testing.assert_array_equal(run.r, R)
+
+
+# -- far from the origin -----------------------------------------------------------------------------
+
+
+class Stream(NamedTuple):
+    """No force, in boxes of side 4 along the first coordinate of two. state: how often it was told to forget."""
+
+    state: np.ndarray
+
+
+@implements(accelerate, Stream)
+def _no_acceleration(force: Stream, r: np.ndarray, v: np.ndarray) -> np.ndarray:
+    assert (abs(r[::2]) < 2.0**17 * 4).all(), "brought back in time"
+    return np.zeros_like(r)
+
+
+@implements(periods, Stream)
+def _periods(force: Stream) -> np.ndarray:
+    return np.array([4.0, 0.0] * 2)
+
+
+@implements(forget, Stream)
+def _forget(force: Stream) -> None:
+    force.state[0] += 1
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.usefixtures("as_plain_python")
+def test_after_1e9_boxes_a_particle_streams_as_at_the_start(scheme: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """2^10 + 2^-25 boxes a step, from 2^30 boxes away: added there, 2^-25 would be rounded off at each step."""
+    monkeypatch.setattr(module, "STRIDE", 64)
+    dt, steps, side = 2.0**-6, 1024, 4.0
+    a_step = side * (2.0**10 + 2.0**-25)
+    r, v = np.array([side * 2.0**30, 0.25, -side * 2.0**30, 0.5]), np.array([a_step, 0.5, -a_step, 0.0]) / dt
+    force = Stream(np.zeros(1, dtype=np.int64))
+    run = integrate(scheme, force, r, v, dt, steps, every=256, trajectory=True)
+    expected = r + np.arange(0, steps + 1, 256)[:, None] * dt * v
+    np.testing.assert_array_equal(run.positions, expected)
+    np.testing.assert_array_equal(run.r, expected[-1])
+    np.testing.assert_array_equal(run.v, v)
+    assert not run.diverged
+    assert force.state[0] >= steps // 64
+    still = integrate(scheme, force, r, v, dt, 0, trajectory=True)
+    np.testing.assert_array_equal([still.r, still.positions[0]], [r, r])
 
 
 # -- work arrays that are too small ------------------------------------------------------------------

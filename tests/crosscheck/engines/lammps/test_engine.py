@@ -233,6 +233,24 @@ def test_sampling_changes_nothing(lammps: Worker) -> None:
     np.testing.assert_allclose(total, total[0], rtol=2e-3)
 
 
+@pytest.mark.parametrize("samples", [1, 100])
+def test_unwrapped_positions_beyond_the_range_of_the_counters_of_boxes(lammps: Worker, samples: int) -> None:
+    """640 boxes in 10000 steps: LAMMPS's own counters wrap after 512 either way."""
+    scene = Scene(
+        name="streaming",
+        dimension=2,
+        duration=10.0,
+        lennard_jones=LennardJones(cutoff=2.5),
+        box=Box(lengths=(4.0, 4.0)),
+        initial=Explicit(positions=((1.0, 1.0),), velocities=((256.0, -0.5),)),
+        output=Output(interval=10.0 / samples, trajectory=True),
+    )
+    run = lammps.run(scene, Method(scheme="velocity_verlet", dt=2.0**-10 * 1.024))
+    np.testing.assert_allclose(run["positions"][:, 0, 0], 1 + 256.0 * run["time"], rtol=1e-12)
+    np.testing.assert_allclose(run["final_positions"], [[2561.0, -4.0]], rtol=1e-12)
+    assert not run.diverged
+
+
 def test_exploding_fluid_diverges(lammps: Worker) -> None:
     scene = fluid(
         duration=2.0,

@@ -812,6 +812,44 @@ def test_a_lost_grain_is_divergence_and_is_forgiven(bad):
     assert status(force) == GOOD
 
 
+def test_far_grains_are_not_lost_whatever_their_size_but_leaping_ones_are():
+    """Radii 1 : 1e7, the small one first, places of 1e8 small radii; and a whole scene a billion diameters away."""
+    radii = np.array([1e-7, 1.0, 1.0])
+    arguments = inner_arguments(np.random.default_rng(4), 2, False, 3)
+    arguments |= {"radii": radii, "masses": np.ones(3), "law": ContactLaw(1e3, 0.1)}
+    for away in (0.0, 2.0e9):
+        force = grains(**arguments)
+        places = np.array([[10.0, 0.0], [11.5, 0.0], [13.0, 0.0]]) + away
+        r, v = coordinates(force, places, np.zeros((3, 2)))
+        force, a = evaluated(force, r, v)
+        assert status(force) == GOOD
+        np.testing.assert_allclose(a[:6], [0, 0, -500, 0, 500, 0], rtol=0, atol=1e3 * EPSILON * (16 + 2 * away))
+        reach = 2 + 0.3 * 2
+        for leap, outcome in ((0.99e6, GOOD), (1.01e6, DIVERGED)):
+            accelerate(force, r, v)
+            far = r.copy()
+            far[0] += leap * reach
+            assert np.isnan(accelerate(force, far, v)).all() == (outcome == DIVERGED)
+            assert status(force) == outcome
+
+
+@pytest.mark.parametrize("boxes", [2**20, 10**9])
+def test_contacts_across_faces_are_found_however_many_boxes_away(boxes):
+    """Sides and places that wrapping does not round."""
+    rng = np.random.default_rng(6)
+    arguments = inner_arguments(rng, 2, False, 12, periodic=[True, True], lengths=[4.0, 4.0])
+    arguments |= {"radii": np.full(12, 0.5), "masses": np.ones(12)}
+    force = grains(**arguments)
+    places = rng.integers(0, 2**12, (12, 2)) * 2.0**-10
+    r, v = coordinates(force, places, np.zeros((12, 2)))
+    far, _ = coordinates(force, places + 4.0 * boxes * rng.integers(-1, 2, (12, 2)), np.zeros((12, 2)))
+    force, near = evaluated(force, r, v)
+    again, a = evaluated(grains(**arguments), far, v)
+    assert status(again) == GOOD
+    assert abs(near).max() > 0
+    np.testing.assert_allclose(a, near, rtol=0, atol=100 * EPSILON * abs(near).max())
+
+
 # -- clock, spins and tallies ------------------------------------------------------------------------------------------
 
 

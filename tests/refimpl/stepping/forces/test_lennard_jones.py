@@ -153,7 +153,7 @@ def test_fast_equals_plain_in_boxes_shorter_than_two_cutoffs(
 
 
 def test_one_particle_and_its_images_have_the_lattice_sum():
-    """A simple cubic lattice of constant L: 2 U = 4 (A12 L^-12 - A6 L^-6) within the cutoff, three digits of A known."""
+    """A simple cubic lattice of constant L: 2 U = 4 (A12 L^-12 - A6 L^-6), within the cutoff."""
     side, cutoff = 1.05, 12.0
     force = lennard_jones(number=1, dimension=3, lengths=[side] * 3, periodic=[True] * 3, cutoff=cutoff)
     force, a = evaluated(force, np.array([0.3, 0.1, 0.2]))

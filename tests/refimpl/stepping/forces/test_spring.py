@@ -108,3 +108,30 @@ def test_same_answers_inside_a_kernel(gamma: float | None) -> None:
 def test_bad_input_is_named(arguments: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         spring(**{"k": 1.0} | arguments)
+
+
+@settings(deadline=None)
+@given(positive, st.none() | positive, st.lists(st.tuples(positive, st.floats(-9, 9)), min_size=2, max_size=6))
+def test_every_coordinate_moves_with_its_own_mass(
+    k: float, gamma: float | None, particles: list[tuple[float, float]]
+) -> None:
+    masses, r = map(np.array, zip(*particles, strict=True))
+    v = r[::-1].copy()
+    force = spring(k, masses, gamma)
+    apart = [spring(k, mass, gamma) for mass in masses]
+    one_by_one = [accelerate(own, r[i : i + 1], v[i : i + 1])[0] for i, own in enumerate(apart)]
+    np.testing.assert_array_equal(accelerate(force, r, v), one_by_one)
+    higher = [derivatives(own, r[i : i + 1], v[i : i + 1], 3)[:, 0] for i, own in enumerate(apart)]
+    np.testing.assert_array_equal(derivatives(force, r, v, 3), np.transpose(higher))
+    kinetic = math.fsum(kinetic_energy(own, v[i : i + 1]) for i, own in enumerate(apart))
+    assert kinetic_energy(force, v) == pytest.approx(kinetic, rel=1e-14)
+
+
+def test_equal_masses_are_one_mass_and_cost_no_array() -> None:
+    assert spring(2.0, np.full(4, 3.0)) == spring(2.0, 3.0)
+
+
+@pytest.mark.parametrize("mass", [np.array([1.0, 0.0]), np.array([1.0, np.nan]), np.zeros(0), np.ones((2, 2))])
+def test_bad_masses_are_refused(mass: np.ndarray) -> None:
+    with pytest.raises(ValueError, match="mass must be positive and finite"):
+        spring(2.0, mass)
