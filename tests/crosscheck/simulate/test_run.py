@@ -53,9 +53,10 @@ def test_shipped_figure_eight_has_the_published_invariants():
 
 
 def test_damped_oscillator(tmp_path):
-    paths = simulate("damped-oscillator", ["refimpl"], tmp_path)
+    paths = simulate("damped-oscillator", ["refimpl"], tmp_path).paths
     assert [path.name for path in paths] == [
-        "observables-refimpl.csv", "trajectory-refimpl.extxyz", "picture.png", "picture.svg",
+        "observables-refimpl.csv", "arrays-refimpl.npz", "particles-refimpl.csv", "trajectory-refimpl.extxyz",
+        "picture.png", "picture.svg",
     ]  # fmt: skip
     table = read_table(paths[0])
     assert list(table) == ["time", "kinetic_energy", "potential_energy", "total_energy", "temperature"]
@@ -65,17 +66,17 @@ def test_damped_oscillator(tmp_path):
     assert table["temperature"] == pytest.approx(2 * table["kinetic_energy"])
     import ase.io
 
-    frames = ase.io.read(paths[1], ":")
+    frames = ase.io.read(paths[3], ":")
     assert len(frames) == len(table["time"])
     assert frames[-1].positions[0, 0] == pytest.approx(-0.0280978, abs=1e-4)
     assert frames[0].get_velocities()[0, 0] == pytest.approx(-100 / 140, abs=1e-8)
-    assert paths[2].read_bytes()[:4] == b"\x89PNG"
+    assert paths[-2].read_bytes()[:4] == b"\x89PNG"
 
 
 @pytest.mark.skipif(not lammps_available(), reason="needs the engine lammps")
 def test_two_engines_side_by_side(tmp_path):
-    paths = simulate("damped-oscillator", ["refimpl", "lammps"], tmp_path)
-    assert len(paths) == 6
+    paths = simulate("damped-oscillator", ["refimpl", "lammps"], tmp_path).paths
+    assert len(paths) == 10
     ours, theirs = (read_table(tmp_path / f"observables-{engine}.csv") for engine in ("refimpl", "lammps"))
     assert ours["total_energy"] == pytest.approx(theirs["total_energy"], rel=1e-9)
     assert "|refimpl - lammps|" in paths[-1].read_text()
@@ -90,11 +91,13 @@ SCENE = Scene(
 )
 
 
-def test_a_scene_that_records_nothing_gives_a_picture(tmp_path):
+def test_a_scene_that_records_nothing_gives_its_final_state_and_a_picture(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(SCENE.to_toml() + '\n[method]\nscheme = "velocity_verlet"\ndt = 0.1\n')
-    paths = simulate(path, ["refimpl"], tmp_path / "out")
-    assert [written.name for written in paths] == ["picture.png", "picture.svg"]
+    paths = simulate(path, ["refimpl"], tmp_path / "out").paths
+    assert [written.name for written in paths] == [
+        "arrays-refimpl.npz", "particles-refimpl.csv", "picture.png", "picture.svg",
+    ]  # fmt: skip
 
 
 def test_without_method_it_says_what_to_add(tmp_path):
@@ -130,9 +133,9 @@ def test_a_diverged_run_is_written_up_to_there(tmp_path):
     )
     path = tmp_path / "scene.toml"
     path.write_text(scene.to_toml())
-    paths = simulate(path, ["refimpl"], tmp_path / "out")
+    paths = simulate(path, ["refimpl"], tmp_path / "out").paths
     assert "diverged" in paths[0].read_text()
-    assert paths[1].read_text().startswith("1\n")
+    assert paths[3].read_text().startswith("1\n")
     assert "(diverged)" in paths[-1].read_text()
 
 
@@ -147,8 +150,8 @@ def test_disks_that_meet(tmp_path):
     )
     path = tmp_path / "scene.toml"
     path.write_text(scene.to_toml())
-    paths = simulate(path, ["refimpl"], tmp_path / "out")
-    assert [written.suffix for written in paths] == [".csv", ".extxyz", ".png", ".svg"]
+    paths = simulate(path, ["refimpl"], tmp_path / "out").paths
+    assert [written.suffix for written in paths] == [".csv", ".npz", ".csv", ".extxyz", ".png", ".svg"]
     table = read_table(paths[0])
     assert list(table) == ["time", "kinetic_energy", "temperature", "collisions"]
     assert table["collisions"].tolist()[::4] == [0, 1]
