@@ -97,7 +97,7 @@ def write_arrays(path: Path, scene: Scene, method: Method, result: Result) -> Pa
                 arrays.setdefault(f"{axis}_{name}" if axis not in ("sample", name) else name, values)
     for axis, names in (("axis", AXES[: scene.dimension]), ("face", face_names(scene)), ("operation", OPERATIONS)):
         if axis in used:
-            arrays[axis] = np.array(names)
+            arrays[axis] = np.array(list(names))
     if "channel" in used:
         arrays["channel_velocities"] = gas_model(scene).velocities.cartesian
     np.savez_compressed(path, allow_pickle=False, about=np.array(json.dumps(about)), **arrays)

@@ -189,8 +189,9 @@ def _momentum(scene: Scene, run: Run) -> str:
 def compare(scene: Scene, results: Sequence[Result]) -> list[Difference]:
     """Differences of positions and energies of each pair of runs of `scene`, at the samples that both have.
 
-    results: of the runs. Positions: of the particle that is farthest from itself in the other run, in diameters, in sigma, or relative to the
-    largest distance of particles at the start. Energies: relative to the largest absolute energy of the first.
+    results: of the runs. Positions: of the particle that is farthest from itself in the other run, in diameters, in
+    sigma, or relative to the largest distance of particles at the start. Energies: relative to the largest absolute
+    energy of the first.
     """
     found = []
     for one, other in combinations(results, 2):

@@ -78,7 +78,7 @@ def test_flow_of_a_lattice_gas():
         dimension=2,
         duration=2,
         lattice_gas=LatticeGas(model="hpp", columns=64, rows=4),
-        initial=Occupations(kind="occupations", channels=(1.0, 0.0, 0.0, 0.0)),
+        initial=Occupations(kind="occupations", channels=(1.0, 0.0, 0.0, 0.0), seed=1),
         output=Output(interval=1, observables=("populations",), fields=(2, 1)),
     )
     from crosscheck.engines.refimpl.lattice import run_lattice
