@@ -98,6 +98,7 @@ def test_a_directory_that_cannot_be_written_to(tmp_path):
         (["some/engine.py:Engine"], ["engine.py-Engine"]),
         (["A/x.py:Engine", "B/x.py:Engine"], ["A-x.py-Engine", "B-x.py-Engine"]),
         (["A/x.py:Engine", "a/x.py:Engine"], ["1-x.py-Engine", "2-x.py-Engine"]),
+        (["a.py:" + "E" * 200, "b.py:" + "E" * 200], ["1-" + "E" * 150, "2-" + "E" * 150]),
         (["x.py:One", "x.py:Two"], ["x.py-One", "x.py-Two"]),
         (["/a b/x.py:E", "/a-b/x.py:E"], ["1-x.py-E", "2-x.py-E"]),
     ],
