@@ -431,7 +431,7 @@ def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float =
     table = Table(box=None, pad_edge=False)
     for title in ("engine", "method"):
         table.add_column(title, overflow="fold")
-    for title in ("work", "CPU", "per second", "each", "energy", "momentum"):
+    for title in ("work", "CPU", "per second", "cost", "energy", "momentum"):
         table.add_column(title, justify="right", overflow="fold")
     table.add_column("end", no_wrap=True)
     for row in done.rows:

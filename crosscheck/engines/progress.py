@@ -36,7 +36,7 @@ def listen(file: Path | None) -> None:
 def stage(what: str) -> None:
     """Reports what a run does now, before its first step. what: as "compiling kernels"."""
     if _listener.file is not None:
-        _listener.file.write_text(f"{what}\n", encoding="utf-8")
+        _write(_listener.file, f"{what}\n")
 
 
 def report(share: float) -> None:
@@ -44,7 +44,14 @@ def report(share: float) -> None:
     now = time.monotonic()
     if _listener.file is not None and now - _listener.last >= _INTERVAL:
         _listener.last = now
-        _listener.file.write_text(f"running\n{share!r}\n", encoding="utf-8")
+        _write(_listener.file, f"running\n{share!r}\n")
+
+
+def _write(file: Path, text: str) -> None:
+    """Replaces the file as a whole, so that no half of it is read."""
+    new = file.with_name(f"{file.name}.new")
+    new.write_text(text, encoding="utf-8")
+    new.replace(file)
 
 
 def read(file: Path) -> tuple[str, float | None]:
@@ -52,7 +59,7 @@ def read(file: Path) -> tuple[str, float | None]:
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
         return lines[0], float(lines[1]) if len(lines) > 1 else None
-    except (OSError, ValueError, IndexError):  # not there yet, or being written
+    except (OSError, ValueError, IndexError):  # not there yet
         return "", None
 
 

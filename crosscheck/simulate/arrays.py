@@ -6,6 +6,7 @@ here.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from pathlib import Path
@@ -86,6 +87,7 @@ def write_arrays(path: Path, scene: Scene, method: Method, result: Result) -> Pa
         "version": result.version,
         "method": method_label(method),
         "outcome": outcome(result.run),
+        "cost": dataclasses.asdict(result.run.cost),
         "arrays": {
             name: {"axes": TABLE[name].axes, "unit": TABLE[name].unit, "meaning": meaning(name)} for name in arrays
         },
@@ -97,7 +99,7 @@ def write_arrays(path: Path, scene: Scene, method: Method, result: Result) -> Pa
                 arrays.setdefault(f"{axis}_{name}" if axis not in ("sample", name) else name, values)
     for axis, names in (("axis", AXES[: scene.dimension]), ("face", face_names(scene)), ("operation", OPERATIONS)):
         if axis in used:
-            arrays[axis] = np.array(names)
+            arrays[axis] = np.array(list(names))
     if "channel" in used:
         arrays["channel_velocities"] = gas_model(scene).velocities.cartesian
     np.savez_compressed(path, allow_pickle=False, about=np.array(json.dumps(about)), **arrays)

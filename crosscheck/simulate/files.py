@@ -16,6 +16,7 @@ from crosscheck.errors import UsageError
 
 #: The list of the files that a simulation wrote, with their hashes.
 MANIFEST = "simulate-files.json"
+_LONGEST_LABEL = 150
 
 
 class Results:
@@ -117,4 +118,5 @@ def _parts(engine: str) -> tuple[str, ...]:
 
 
 def _clean(text: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_.-]+", "-", text)
+    """The text as a part of a file's name, which may have 255 bytes in all; of a longer one, its end."""
+    return re.sub(r"[^A-Za-z0-9_.-]+", "-", text)[-_LONGEST_LABEL:]

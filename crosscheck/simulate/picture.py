@@ -77,7 +77,7 @@ def draw_picture(
     with matplotlib.rc_context(style), np.errstate(all="ignore"):
         figure = Figure(figsize=(max(5.5, 4.6 * len(results)), sum(heights) + 0.5), layout="constrained")
         FigureCanvasAgg(figure)
-        title = printable(f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}")
+        title = printable(f"{scene.name}: {method_label(method)}, {_end(scene, results)}")
         # a name may be long, and may hold dollar signs
         figure.suptitle("\n".join(wrap(title, 70 * len(results))), parse_math=False)
         grid = figure.add_gridspec(len(heights), len(results), height_ratios=heights)
@@ -116,11 +116,13 @@ def draw_picture(
     return paths
 
 
-def _end(scene: Scene, results: list[Result]) -> float:
-    """Time of the last sample of a run that ends at a number of collisions; the duration of any other."""
+def _end(scene: Scene, results: list[Result]) -> str:
+    """Until when the runs went: their last sample if they end at a number of collisions, else the duration."""
+    if any(result.run.stopped or result.run.diverged for result in results):
+        return f"duration {scene.duration:g}"
     if scene.output.collisions is None:
-        return scene.duration
-    return max(float(np.nanmax(result.run["time"])) for result in results)
+        return f"to t = {scene.duration:g}"
+    return f"to t = {max(float(np.nanmax(result.run['time'])) for result in results):g}"
 
 
 def _energies(result: Result) -> dict[str, Floats]:

@@ -21,7 +21,7 @@ class Derived(NamedTuple):
 
 
 def cell_edges(scene: Scene) -> tuple[Floats, ...]:
-    """Edges of the cells of `output.fields` along each axis, (cells + 1,), in units of length.
+    """Edges of the cells of `output.fields` of `scene` along each axis, (cells + 1,), in units of length.
 
     Of a lattice gas without output.fields: the one block that is the whole lattice.
     """
@@ -38,6 +38,8 @@ def cell_edges(scene: Scene) -> tuple[Floats, ...]:
 
 def on_cells(scene: Scene, run: Run) -> dict[str, Derived]:
     """Means over the run on the cells of hard spheres, by name; empty if the run recorded no fields.
+
+    scene: what was run. run: what the engine returned.
 
     density, velocity, temperature, and energy_flux through the lower face of each cell. The temperature, an energy, is
     that of the velocities about the mean velocity of the cell: m (<v^2> - <v>^2)/d. With several masses it is not
@@ -91,6 +93,8 @@ def _span(scene: Scene, run: Run) -> float:
 
 def on_blocks(scene: Scene, run: Run) -> dict[str, Derived]:
     """Flow of a lattice gas in its blocks, (samples, across, up), by name; empty if populations were not recorded.
+
+    scene: what was run. run: what the engine returned.
 
     density: particles per site, walls counted as sites. velocity: momentum per mass, NaN in empty blocks.
     """

@@ -134,41 +134,44 @@ def _run_all(
 ) -> tuple[list[Result], dict[str, str], list[str]]:
     """The runs, the kind of scheme of each by its label, and the messages of engines that failed.
 
-    EngineError if all failed.
+    All engines are asked whether they can run the scene before the first one does. EngineError if all failed.
     """
     labels = file_labels(engines)
+    versions: dict[str, str] = {}
     results: list[Result] = []
     failures: list[str] = []
-    kinds: dict[str, str] = {}
     pool = Pool(time_limit=time_limit)
     try:
         for engine in engines:
+            with shown(labels[engine]):
+                versions[engine] = _version(scene, method, engine, pool)
+        for engine in engines:
             try:
-                results.append(_run(scene, method, engine, labels[engine], pool))
+                with shown(labels[engine]) as progress:
+                    run = pool.worker(engine).run(scene, method, progress)
             except EngineError as error:
                 failures.append(str(error))
                 continue
-            kinds[labels[engine]] = engine_class(engine).schemes[method.scheme].kind
+            results.append(Result(labels[engine], versions[engine], run, observables(scene, run)))
     finally:
         pool.close()
     if not results:
         raise EngineError("\n".join(failures))
+    kinds: dict[str, str] = {labels[engine]: engine_class(engine).schemes[method.scheme].kind for engine in engines}
     return results, kinds, failures
 
 
-def _run(scene: Scene, method: Method, engine: str, label: str, pool: Pool) -> Result:
-    """The run of one engine in its worker process; UsageError if the engine is missing or cannot run the scene."""
+def _version(scene: Scene, method: Method, engine: str, pool: Pool) -> str:
+    """The version of an engine; UsageError if it is missing or cannot run the scene."""
     worker = pool.worker(engine)
     schemes = engine_class(engine).schemes
-    with shown(label) as progress:
-        try:
-            version, reason = worker.version(), worker.supports(scene, method)
-        except EngineMissing as missing:
-            raise UsageError(str(missing)) from None
-        if reason is not None:
-            raise UsageError(f"{engine} cannot run scene {scene.name}: {reason}; its schemes: {', '.join(schemes)}")
-        run = worker.run(scene, method, progress)
-    return Result(label, version, run, observables(scene, run))
+    try:
+        version, reason = worker.version(), worker.supports(scene, method)
+    except EngineMissing as missing:
+        raise UsageError(str(missing)) from None
+    if reason is not None:
+        raise UsageError(f"{engine} cannot run scene {scene.name}: {reason}; its schemes: {', '.join(schemes)}")
+    return version
 
 
 def differences(one: Result, other: Result) -> dict[str, Floats]:

@@ -79,7 +79,7 @@ def row(scene: Scene, method: Method, result: Result, kind: str) -> Row:
     speed = number / seconds if seconds > 0 else float("nan")
     each = "-"
     if number and seconds > 0:
-        each = f"{_time(seconds / number)} an event" if by_events else f"{_time(seconds / number / units)} a {thing}"
+        each = f"{_time(seconds / number)}/event" if by_events else f"{_time(seconds / number / units)}/({thing} step)"
     return Row(
         result.engine,
         method_label(method),
@@ -102,7 +102,10 @@ def _time(seconds: float) -> str:
 
 
 def endings(scene: Scene, result: Result) -> list[str]:
-    """Sentences on a run that did not go to its end, with time and particles, and its remarks."""
+    """Sentences on a run that did not go to its end, with time and particles, and its remarks.
+
+    scene: what was run. result: of the run.
+    """
     run, found = result.run, []
     if run.diverged:
         found.append(f"{result.engine}: diverged{_where(scene, run)}")
@@ -186,8 +189,9 @@ def _momentum(scene: Scene, run: Run) -> str:
 def compare(scene: Scene, results: Sequence[Result]) -> list[Difference]:
     """Differences of positions and energies of each pair of runs of `scene`, at the samples that both have.
 
-    Positions: of the particle that is farthest from itself in the other run, in diameters, in sigma, or relative to the
-    largest distance of particles at the start. Energies: relative to the largest absolute energy of the first.
+    results: of the runs. Positions: of the particle that is farthest from itself in the other run, in diameters, in
+    sigma, or relative to the largest distance of particles at the start. Energies: relative to the largest absolute
+    energy of the first.
     """
     found = []
     for one, other in combinations(results, 2):
@@ -213,7 +217,10 @@ def compare(scene: Scene, results: Sequence[Result]) -> list[Difference]:
 
 
 def distances(one: Run, other: Run) -> Floats | None:
-    """Largest distance of a particle from itself in another run, (samples,), length; None without trajectories."""
+    """Largest distance of a particle from itself in another run, (samples,), length; None without trajectories.
+
+    one, other: the runs.
+    """
     here, there = one.get("positions"), other.get("positions")
     if here is None or there is None or here.shape != there.shape:
         return None

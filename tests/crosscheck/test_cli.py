@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from crosscheck import cli, commands, runner
+from crosscheck import __version__, cli, commands, runner
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.directory import locked
@@ -157,6 +157,72 @@ def test_an_engine_that_fails_in_a_simulation_is_status_1(crosscheck: Any, tmp_p
     assert "was killed by signal 6" in done.err
     assert "so far so good" in done.err
     assert "Traceback" not in done.err
+
+
+COLLAPSE = """
+name = "row-of-inelastic-disks"
+dimension = 2
+duration = 200.0
+hard_spheres = { restitution = 0.4 }
+box = { lengths = [16.0, 4.0] }
+method = { scheme = "event_driven" }
+output = { interval = 1.0, observables = ["kinetic_energy", "collisions"], trajectory = true }
+
+[initial]
+kind = "explicit"
+positions = [
+    [1.0, 2.0], [2.3, 2.0], [3.6, 2.0], [4.9, 2.0], [6.2, 2.0], [7.5, 2.0],
+    [8.8, 2.0], [10.1, 2.0], [11.4, 2.0], [12.7, 2.0], [14.0, 2.0], [15.3, 2.0],
+]
+velocities = [
+    [0.189, 0.0], [-0.523, 0.0], [-0.413, 0.0], [-2.441, 0.0], [1.8, 0.0], [1.144, 0.0],
+    [-0.325, 0.0], [0.774, 0.0], [0.281, 0.0], [-0.554, 0.0], [0.978, 0.0], [-0.311, 0.0],
+]
+"""
+
+
+def test_a_run_that_stops_is_status_1_with_its_reason(
+    crosscheck: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NUMBA_DISABLE_JIT")  # the event loop is compiled code
+    (tmp_path / "scene.toml").write_text(COLLAPSE)
+    done = crosscheck("simulate", tmp_path / "scene.toml", "-o", tmp_path / "out")
+    assert done.status == 1
+    assert "refimpl: stopped: inelastic collapse of particles 9 and 10 at t = 2.1798" in done.err
+    assert "stopped" in done.out
+    assert (tmp_path / "out" / "observables-refimpl.csv").is_file()
+    assert (tmp_path / "out" / "picture.png").is_file()
+
+
+def test_a_run_that_diverges_is_status_1(crosscheck: Any, tmp_path: Path) -> None:
+    """omega dt = 6: the oscillator's amplitude grows 34 times a step."""
+    (tmp_path / "scene.toml").write_text(
+        'name = "wild"\ndimension = 1\nduration = 600.0\nspring = { k = 36.0 }\n'
+        'initial = { kind = "explicit", positions = [[1.0]] }\n'
+        'output = { interval = 100.0, observables = ["kinetic_energy"], trajectory = true }\n'
+        'method = { scheme = "velocity_verlet", dt = 1.0 }\n'
+    )
+    done = crosscheck("simulate", tmp_path / "scene.toml", "-o", tmp_path / "out")
+    assert done.status == 1
+    assert "refimpl: diverged after t = 100: not finite at t = 200" in done.err
+    assert (tmp_path / "out" / "picture.png").is_file()
+
+
+def test_a_simulation_prints_a_row_for_each_engine(crosscheck: Any, tmp_path: Path) -> None:
+    done = crosscheck("simulate", "damped-oscillator", "-o", tmp_path)
+    assert done.status == 0
+    assert all(line.endswith(" ...") for line in done.err.splitlines())  # on a slow machine, what it waits for
+    heads, row, *paths = done.out.splitlines()
+    for head in ("engine", "method", "work", "CPU", "per second", "energy", "momentum", "end"):
+        assert head in heads
+    for text in ("refimpl", "velocity_verlet, dt = 0.001", "5000 steps", "spring.gamma", "whole"):
+        assert text in row
+    assert all(Path(path).is_file() for path in paths)
+
+
+def test_version(crosscheck: Any) -> None:
+    done = crosscheck("--version")
+    assert (done.status, done.out) == (0, f"crosscheck {__version__}\n")
 
 
 # -- list, show, engines -------------------------------------------------------------------------------------

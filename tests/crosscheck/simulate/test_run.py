@@ -1,6 +1,7 @@
 """`simulate`: files of a scene on one and two engines, checked against closed forms, and the shipped scenes."""
 
 import csv
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -53,9 +54,10 @@ def test_shipped_figure_eight_has_the_published_invariants():
 
 
 def test_damped_oscillator(tmp_path):
-    paths = simulate("damped-oscillator", ["refimpl"], tmp_path)
+    paths = simulate("damped-oscillator", ["refimpl"], tmp_path).paths
     assert [path.name for path in paths] == [
-        "observables-refimpl.csv", "trajectory-refimpl.extxyz", "picture.png", "picture.svg",
+        "observables-refimpl.csv", "arrays-refimpl.npz", "particles-refimpl.csv", "trajectory-refimpl.extxyz",
+        "picture.png", "picture.svg",
     ]  # fmt: skip
     table = read_table(paths[0])
     assert list(table) == ["time", "kinetic_energy", "potential_energy", "total_energy", "temperature"]
@@ -65,17 +67,17 @@ def test_damped_oscillator(tmp_path):
     assert table["temperature"] == pytest.approx(2 * table["kinetic_energy"])
     import ase.io
 
-    frames = ase.io.read(paths[1], ":")
+    frames = ase.io.read(paths[3], ":")
     assert len(frames) == len(table["time"])
     assert frames[-1].positions[0, 0] == pytest.approx(-0.0280978, abs=1e-4)
     assert frames[0].get_velocities()[0, 0] == pytest.approx(-100 / 140, abs=1e-8)
-    assert paths[2].read_bytes()[:4] == b"\x89PNG"
+    assert paths[-2].read_bytes()[:4] == b"\x89PNG"
 
 
 @pytest.mark.skipif(not lammps_available(), reason="needs the engine lammps")
 def test_two_engines_side_by_side(tmp_path):
-    paths = simulate("damped-oscillator", ["refimpl", "lammps"], tmp_path)
-    assert len(paths) == 6
+    paths = simulate("damped-oscillator", ["refimpl", "lammps"], tmp_path).paths
+    assert len(paths) == 10
     ours, theirs = (read_table(tmp_path / f"observables-{engine}.csv") for engine in ("refimpl", "lammps"))
     assert ours["total_energy"] == pytest.approx(theirs["total_energy"], rel=1e-9)
     assert "|refimpl - lammps|" in paths[-1].read_text()
@@ -90,11 +92,13 @@ SCENE = Scene(
 )
 
 
-def test_a_scene_that_records_nothing_gives_a_picture(tmp_path):
+def test_a_scene_that_records_nothing_gives_its_final_state_and_a_picture(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(SCENE.to_toml() + '\n[method]\nscheme = "velocity_verlet"\ndt = 0.1\n')
-    paths = simulate(path, ["refimpl"], tmp_path / "out")
-    assert [written.name for written in paths] == ["picture.png", "picture.svg"]
+    paths = simulate(path, ["refimpl"], tmp_path / "out").paths
+    assert [written.name for written in paths] == [
+        "arrays-refimpl.npz", "particles-refimpl.csv", "picture.png", "picture.svg",
+    ]  # fmt: skip
 
 
 def test_without_method_it_says_what_to_add(tmp_path):
@@ -130,9 +134,9 @@ def test_a_diverged_run_is_written_up_to_there(tmp_path):
     )
     path = tmp_path / "scene.toml"
     path.write_text(scene.to_toml())
-    paths = simulate(path, ["refimpl"], tmp_path / "out")
+    paths = simulate(path, ["refimpl"], tmp_path / "out").paths
     assert "diverged" in paths[0].read_text()
-    assert paths[1].read_text().startswith("1\n")
+    assert paths[3].read_text().startswith("1\n")
     assert "(diverged)" in paths[-1].read_text()
 
 
@@ -147,8 +151,8 @@ def test_disks_that_meet(tmp_path):
     )
     path = tmp_path / "scene.toml"
     path.write_text(scene.to_toml())
-    paths = simulate(path, ["refimpl"], tmp_path / "out")
-    assert [written.suffix for written in paths] == [".csv", ".extxyz", ".png", ".svg"]
+    paths = simulate(path, ["refimpl"], tmp_path / "out").paths
+    assert [written.suffix for written in paths] == [".csv", ".npz", ".csv", ".extxyz", ".png", ".svg"]
     table = read_table(paths[0])
     assert list(table) == ["time", "kinetic_energy", "temperature", "collisions"]
     assert table["collisions"].tolist()[::4] == [0, 1]
@@ -162,3 +166,141 @@ def test_hard_spheres_without_method(tmp_path):
     path.write_text(disks().to_toml())
     with pytest.raises(UsageError, match=r'add \[method\] with scheme = "event_driven"'):
         simulate(path, ["refimpl"], tmp_path)
+
+
+# -- files and their directory -------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """Workers run plain Python: that is enough for short runs, and nothing is compiled."""
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+
+
+def short(tmp_path, name, **changes):
+    """A file with a shipped scene, changed."""
+    path = tmp_path / f"{name}.toml"
+    path.write_text(load(name).changed(**changes).to_toml())
+    return path
+
+
+SYNTHETIC = """
+import numpy as np
+from crosscheck.engines.protocol import Run, shapes
+from crosscheck.engines.refimpl import RefimplEngine
+
+class Engine(RefimplEngine):
+    def run(self, scene, method):
+        run = Run({name: np.ones(shape) for name, shape in shapes(scene, scene.samples().size).items()})
+        run["time"] = scene.samples()
+        # T = 2 - x/60 and density 0.2 at rest, over the duration
+        x = (np.arange(10) + 0.5) / 10
+        run["field_mass"] *= 0.2 * 180 * scene.duration
+        run["field_momentum"] *= 0
+        run["field_kinetic"] = run["field_mass"] * (2 - x[:, None])
+        return run
+"""
+
+
+@pytest.mark.usefixtures("plain")
+def test_heat_conduction_writes_its_temperature_profile(tmp_path):
+    (tmp_path / "engine.py").write_text(SYNTHETIC)
+    done = simulate("heat-conduction", [f"{tmp_path}/engine.py:Engine"], tmp_path / "out")
+    assert done.whole
+    table = read_table(tmp_path / "out" / "fields-engine.py-Engine.csv")
+    assert table["x"].tolist() == [3.0 + 6 * k for k in range(10)]
+    assert table["temperature"] == pytest.approx(2 - table["x"] / 60)
+    assert table["density"] == pytest.approx(0.2)
+    assert "temperature" in (tmp_path / "out" / "picture.svg").read_text()
+
+
+@pytest.mark.usefixtures("plain")
+def test_a_sound_wave_is_written_in_space_and_time(tmp_path):
+    scene = load("sound-wave-hpp")
+    gas = scene.lattice_gas.model_copy(update={"rows": 16, "columns": 64})
+    output = Output(interval=1, observables=("populations", "sites"), fields=(1, 8))
+    method = Method(scheme="lattice_numpy")
+    path = short(tmp_path, "sound-wave-hpp", lattice_gas=gas, duration=6.0, output=output, method=method)
+    simulate(path, ["refimpl"], tmp_path / "out")
+    blocks = read_table(tmp_path / "out" / "blocks-refimpl.csv")
+    assert len(blocks["time"]) == 7 * 8
+    start = blocks["density"][:8]
+    assert start[0] > start[4] + 0.1  # the crest is at y = 0, the trough in the middle
+    sites = read_table(tmp_path / "out" / "sites-refimpl.csv")
+    with np.load(tmp_path / "out" / "arrays-refimpl.npz") as arrays:
+        assert sites["sites"].tolist() == arrays["sites"].ravel().tolist()
+        assert arrays["populations"].shape == (7, 1, 8, 4)
+
+
+ENGINE = """
+import numpy as np
+from crosscheck.engines.refimpl import RefimplEngine
+from neighbour import SHIFT
+
+class Engine(RefimplEngine):
+    def run(self, scene, method):
+        run = super().run(scene, method)
+        run["kinetic_energy"] = run["kinetic_energy"] + SHIFT
+        return run
+"""
+
+
+def engine_files(tmp_path):
+    """Two engine files of one name and one class, with different neighbours."""
+    names = []
+    for shift, name in enumerate("AB"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "x.py").write_text(ENGINE)
+        (tmp_path / name / "neighbour.py").write_text(f"SHIFT = {shift}.0\n")
+        names.append(f"{tmp_path / name}/x.py:Engine")
+    return names
+
+
+@pytest.mark.usefixtures("plain")
+def test_two_engine_files_of_one_class_name_have_files_of_their_own(tmp_path):
+    output = Output(interval=0.1, observables=("kinetic_energy", "potential_energy"))
+    path, out = short(tmp_path, "damped-oscillator", duration=0.2, output=output), tmp_path / "out"
+    done = simulate(path, engine_files(tmp_path), out)
+    tables = [read_table(out / f"observables-{name}-x.py-Engine.csv") for name in "AB"]
+    assert tables[1]["kinetic_energy"] == pytest.approx(tables[0]["kinetic_energy"] + 1)
+    assert [one.engine for one in done.rows] == ["A-x.py-Engine", "B-x.py-Engine"]
+    (energy,) = [one for one in done.differences if one.what == "total energy"]
+    assert energy.largest > 0
+    # the next run has one engine: files of the other one do not stay, those of the user do
+    (out / "notes.txt").write_text("mine")
+    simulate(path, ["refimpl"], out)
+    names = {file.name for file in out.iterdir()}
+    assert not any("x.py" in name for name in names)
+    assert "notes.txt" in names
+
+
+@pytest.mark.usefixtures("plain")
+def test_one_engine_in_two_spellings_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    engine_files(tmp_path)
+    with pytest.raises(UsageError, match="once"):
+        simulate("kepler", ["A/x.py:Engine", "./B/../A/x.py:Engine"], tmp_path / "out")
+
+
+@pytest.mark.usefixtures("plain")
+def test_one_engine_that_fails_does_not_take_the_others_with_it(tmp_path):
+    (tmp_path / "bad.py").write_text(SYNTHETIC.replace("run = Run(", "raise RuntimeError('no'); run = Run("))
+    path = short(tmp_path, "damped-oscillator", duration=0.2)
+    done = simulate(path, ["refimpl", f"{tmp_path}/bad.py:Engine"], tmp_path / "out")
+    assert not done.whole
+    assert [one.engine for one in done.rows] == ["refimpl"]
+    assert "RuntimeError: no" in done.failures[0]
+    assert (tmp_path / "out" / "observables-refimpl.csv").is_file()
+
+
+@pytest.mark.usefixtures("plain")
+def test_a_picture_that_cannot_be_drawn_leaves_the_numbers(tmp_path, monkeypatch):
+    def fails(*_):
+        raise ValueError("a picture\nof nothing")
+
+    monkeypatch.setattr("crosscheck.simulate.run.draw_picture", fails)
+    done = simulate(short(tmp_path, "damped-oscillator", duration=0.2), ["refimpl"], tmp_path / "out")
+    assert done.failures == ["the picture cannot be drawn (ValueError: a picture of nothing)"]
+    assert not done.whole
+    assert done.paths[0] == Path(tmp_path / "out" / "observables-refimpl.csv")
+    assert done.paths[0].is_file()
