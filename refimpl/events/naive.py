@@ -19,10 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from refimpl.events.kernels.compiled import inline, kernel
-from refimpl.events.model import Floats, HardSpheres, Well
+from refimpl.events.kernels.compiled import kernel
+from refimpl.events.model import Floats, HardSpheres
 from refimpl.events.prediction import (
-    NEAR,
     NEVER,
     contact_distance,
     cylinder_time,
@@ -32,6 +31,7 @@ from refimpl.events.prediction import (
     radius_of,
     rests,
     speed_after,
+    squared_moment,
     wall_time,
 )
 from refimpl.events.rules import (
@@ -45,7 +45,17 @@ from refimpl.events.rules import (
     pass_edge,
     still_in_contact,
 )
-from refimpl.events.state import State, bonds_of, check_state, spins_of
+from refimpl.events.state import (
+    SIMULTANEOUS,
+    Simultaneous,
+    State,
+    bonds_of,
+    check_state,
+    nearness,
+    spins_of,
+    time_to_cross,
+    two_sum,
+)
 
 #: Column of `rows`: the time of the particle's last collision.
 _LAST = 6
@@ -57,11 +67,11 @@ class Naive:
     """Hard particles of `model` from the given state.
 
     positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; zero by default; only
-    with friction. last: (N,) times of earlier collisions, for the TC model; -inf: none. counts: (N,) numbers of earlier
-    collisions, for random walls. Raises ValueError for a state that is not finite or outside the walls.
+    with friction. last: (N,) times of earlier collisions, for the TC model; -inf: none. hits: (N,) numbers of earlier
+    collisions with walls, for random ones. Raises ValueError for a state that is not finite or outside the walls.
 
     Attributes: model, dimension, number; time; collisions, of pairs; trace: (time, i, j) of every change of state, with
-    j = -1 - face for a plane wall and -1 - CYLINDER_FACE for the cylinder.
+    j = -1 - face for a plane wall and -1 - CYLINDER_FACE for the cylinder; simultaneous: see `state.Simultaneous`.
     """
 
     def __init__(
@@ -72,22 +82,29 @@ class Naive:
         angular_velocities: ArrayLike | None = None,
         *,
         last: ArrayLike = -math.inf,
-        counts: ArrayLike = 0,
+        hits: ArrayLike = 0,
     ) -> None:
         x, v = np.array(positions, dtype=np.float64), np.array(velocities, dtype=np.float64)
         self.model, self.dimension = model, x.shape[1]
         self.number = check_state(model, x, v)
-        self.time, self.collisions = 0.0, 0
+        self._clock, self.collisions = (0.0, 0.0), 0
+        self.simultaneous = Simultaneous(0, math.nan)
         self.trace: list[tuple[float, int, int]] = []
         self._rows = np.zeros((self.number, 7))
         self._rows[:, : self.dimension] = x
         self._rows[:, 3 : 3 + self.dimension] = v
         self._rows[:, _LAST] = last
         self._turns = np.zeros((self.number, 3), np.int64)
-        self._counts = np.zeros(self.number, np.int64)
-        self._counts[:] = counts
+        self._hits = np.zeros(self.number, np.int64)
+        self._hits[:] = hits
+        self._latest = np.full(self.number, -math.inf), np.full(self.number, -1, np.int64)
         self._spins = None if model.rough is None else spins_of(angular_velocities, self.number, self.dimension)
         self._bonds = None if model.well is None else bonds_of(model, model.well, x)
+
+    @property
+    def time(self) -> float:
+        """The time of the last event, or the one that the run was told to reach."""
+        return self._clock[0]
 
     def run(self, until: float = math.inf, collisions: int | None = None, changes: int | None = None) -> None:
         """Runs until the time `until`, or the given number of pair collisions or changes of state since the start.
@@ -95,19 +112,36 @@ class Naive:
         until: time; collisions, changes: numbers, None for no such limit. The first limit that is reached ends the run.
         """
         while (collisions is None or self.collisions < collisions) and (changes is None or len(self.trace) < changes):
-            span, i, j = next_event(self.model, self._rows, self._bonds, self.time)
+            span, i, j = next_event(self.model, self._rows, self._bonds, self.time, nearness(self.model))
             limit = longest_flight(self.model, self._rows)
-            if min(self.time + span, self.time + limit) > until:
-                advance_all(self.model, self._rows, self._turns, until - self.time)
-                self.time = until
+            left = math.fsum((until, -self._clock[0], -self._clock[1]))
+            if min(span, limit) > left:
+                advance_all(self.model, self._rows, self._turns, left)
+                self._clock = (until, 0.0)
                 return
             advance_all(self.model, self._rows, self._turns, min(span, limit))
-            self.time += min(span, limit)
+            self._clock = two_sum(*self._clock, min(span, limit))
             if span <= limit:
                 self.trace.append((self.time, i, j))
+                self._note_simultaneous(i, j)
                 self.collisions += apply_event(
-                    self.model, self._rows, self._spins, self._bonds, i, j, self._counts, self.time
+                    self.model, self._rows, self._spins, self._bonds, i, j, self._hits, self.time
                 )
+
+    def _note_simultaneous(self, i: int, j: int) -> None:
+        """Counts the event if one of its particles has had another one, with another partner, at the same time."""
+        times, partners = self._latest
+        tick = SIMULTANEOUS * time_to_cross(self.model, self._rows[:, 3:6])
+        seen = [(i, j)] if j < 0 else [(i, j), (j, i)]
+        for one, other in seen:
+            same = (partners[one] < 0 and other < 0) or partners[one] == other
+            if self.time - times[one] < tick and not same:
+                number, first = self.simultaneous
+                self.simultaneous = Simultaneous(number + 1, first if number else self.time)
+                break
+        for one, other in seen:
+            if not is_fixed(self.model.inverse_masses, one):
+                times[one], partners[one] = self.time, other
 
     def state(self) -> State:
         """The state of all particles now."""
@@ -129,8 +163,11 @@ def longest_flight(model: HardSpheres, rows: Floats) -> float:
 
 
 @kernel
-def next_event(model: HardSpheres, rows: Floats, bonds: Any, now: float) -> tuple[float, int, int]:
-    """Time to the earliest event of all pairs and walls, and whose it is: i and j, or i and -1 - face."""
+def next_event(model: HardSpheres, rows: Floats, bonds: Any, now: float, near: float) -> tuple[float, int, int]:
+    """Time to the earliest event of all pairs and walls, and whose it is: i and j, or i and -1 - face.
+
+    near: see `refimpl.events.prediction`.
+    """
     best, one, other = NEVER, -1, -1
     d = len(model.lengths)
     for i in range(rows.shape[0]):
@@ -140,12 +177,9 @@ def next_event(model: HardSpheres, rows: Floats, bonds: Any, now: float) -> tupl
             b, w2 = x * u + y * v + z * w, u * u + v * v + w * w
             s = contact_distance(model.diameter, model.radii, i, j)
             c = x * x + y * y + z * z - s * s
-            if (
-                s > 0.0
-                and _may_meet(model.well, b, c, w2)
-                and not (c <= NEAR * s * s and b < 0.0 and rests(rows, i, j, b, s * s))
-            ):
-                span = pair_time(model.well, bonds, i, j, b, c, w2, s * s)
+            if s > 0.0 and not (c <= near * s * s and b < 0.0 and rests(rows, i, j, b, s * s)):
+                moment2 = squared_moment(x, y, z, u, v, w)
+                span = pair_time(model.well, bonds, i, j, b, c, w2, s * s, moment2, near)
                 if span < best:
                     best, one, other = span, i, j
         if not is_fixed(model.inverse_masses, i):
@@ -159,13 +193,6 @@ def next_event(model: HardSpheres, rows: Floats, bonds: Any, now: float) -> tupl
             if span < best:
                 best, one, other = span, i, -1 - CYLINDER_FACE
     return best, one, other
-
-
-@inline
-def _may_meet(well: Well | None, b: float, c: float, w: float) -> bool:
-    if well is None:
-        return b < 0.0 and b * b - w * c > 0.0
-    return w > 0.0
 
 
 @kernel
@@ -184,20 +211,20 @@ def advance_all(model: HardSpheres, rows: Floats, turns: NDArray[np.int64], span
 
 @kernel
 def apply_event(
-    model: HardSpheres, rows: Floats, spins: Any, bonds: Any, i: int, j: int, counts: NDArray[np.int64], now: float
+    model: HardSpheres, rows: Floats, spins: Any, bonds: Any, i: int, j: int, hits: NDArray[np.int64], now: float
 ) -> bool:
     """Applies the rule of the event of i with j (or the wall -1 - j); whether it was a collision of a pair.
 
-    counts: (N,) collisions so far, which number the draws of random walls.
+    hits: (N,) collisions with walls so far, which number the draws of random ones.
     """
     if j < 0:
         recent = still_in_contact(model.contact_duration, now - rows[i, _LAST])
         if j == -1 - CYLINDER_FACE:
             at_cylinder(model, model.cylinder, rows, spins, i, recent)
         else:
-            at_plane(model, model.walls, rows, spins, i, counts[i], -1 - j, now, recent)
+            at_plane(model, model.walls, rows, spins, i, hits[i], -1 - j, now, recent)
         rows[i, _LAST] = now
-        counts[i] += 1
+        hits[i] += 1
         return False
     x, y, z = nearest(model, rows, i, j)
     distance = np.sqrt(x * x + y * y + z * z)
@@ -211,8 +238,7 @@ def apply_event(
         alpha = normal_restitution(model.restitution, recent)
         impulse = pair_impulse(model.rough, spins, model, rows, i, j, (x, y, z), gn, alpha, recent)
         apply_impulse(model, rows, i, j, impulse)
-    for one in (i, j):
-        if not is_fixed(model.inverse_masses, one):
-            rows[one, _LAST] = now
-            counts[one] += 1
+        for one in (i, j):
+            if not is_fixed(model.inverse_masses, one):
+                rows[one, _LAST] = now
     return collided

@@ -4,13 +4,18 @@ Every time is counted from the present; `NEVER` is no event. Pairs: with r and v
 b = r.v, w = v.v, c = r.r - s^2, contact at distance s is at the root of w t^2 + 2 b t + c = 0 (B. J. Alder and T. E.
 Wainwright, J. Chem. Phys. 31, 459 (1959)). A common acceleration cancels.
 
+Errors are of the order of the rounding of the distances in a formula, not of their squares: from afar, b^2 - w c is
+the difference of two numbers of the order of r^2 w, of which s^2 w may be a small part. There it is formed as
+s^2 w - |r x v|^2, whose rounding changes the impact parameter |r x v|/|v| by that of r.
+
 Arguments that are the same throughout: model: `HardSpheres`. rows: (N, 7 or 8), a particle's position 0-2, velocity 3-5
 and the time of that state 6. i, j: numbers of particles. diameter: contact distance of the largest pair. radii: (N,),
 or None where all are alike. radius: of a particle. acceleration: (d,) of the field, or None. axis: 0 ... d - 1. walls,
 cylinder, well: records of `refimpl.events.model`, or None. face: 2 axis + (0 for the lower, 1 for the upper wall).
 bonds: (N, 1 + slots) int32 of a gas with wells, a row being the number of partners inside the well, then the partners.
-b, c, w: of the pair, as above. s2: squared contact distance. now: the time, on the clock of the walls' phases. horizon:
-the search for a contact ends there. Units: any consistent set.
+b, c, w: of the pair, as above. s2: squared contact distance. moment2: |r x v|^2 of the pair. near: |r^2 - s^2|/s^2
+below which rounding may hide whether a pair is at its contact, or at the edge of its well, see `state.nearness`. now:
+the time, on the clock of the walls' phases. horizon: the search for a contact ends there. Units: any consistent set.
 """
 
 from __future__ import annotations
@@ -33,12 +38,27 @@ from refimpl.events.model import (
 
 #: The time of an event that does not happen: large, yet finite, so that sums and comparisons need no special case.
 NEVER = 1e300
-#: |r^2 - s^2|/s^2 below which rounding may hide whether a pair is at its contact, or at the edge of its well.
-NEAR = 1e-9
+#: (r^2 - s^2)/s^2 above which a discriminant is formed from |r x v|^2: below, b^2 - w c is as good, and at hand.
+FAR = 8.0
 #: Rounding of a relative velocity, squared, over the sum of the two velocities squared: slower counts as at rest.
 AT_REST = (2.0**-49) ** 2
 #: Rounding of positions that a wall search may stop at, in units of the position.
 TOUCH = 2.0**-50
+
+
+@inline
+def squared_moment(x: float, y: float, z: float, u: float, v: float, w: float) -> float:
+    """|r x v|^2 of a relative position (x, y, z) and velocity (u, v, w)."""
+    a, b, c = y * w - z * v, z * u - x * w, x * v - y * u
+    return a * a + b * b + c * c
+
+
+@inline
+def discriminant(b: float, c: float, w: float, s2: float, moment2: float) -> float:
+    """b^2 - w c = s^2 w - |r x v|^2: the form with the smaller rounding; moment2 is read for c > FAR s2 only."""
+    if c > FAR * s2:
+        return s2 * w - moment2
+    return b * b - w * c
 
 
 @inline
@@ -247,15 +267,30 @@ def bonded(bonds: Any, i: int, j: int) -> bool:
 
 
 @inline
-def pair_time(well: Well | None, bonds: Any, i: int, j: int, b: float, c: float, w: float, s2: float) -> float:
-    """Time to the next event of a pair, at the core or at the edge of the well; NEVER if there is none."""
+def pair_time(
+    well: Well | None,
+    bonds: Any,
+    i: int,
+    j: int,
+    b: float,
+    c: float,
+    w: float,
+    s2: float,
+    moment2: float,
+    near: float,
+) -> float:
+    """Time to the next event of a pair, at the core or at the edge of the well; NEVER if there is none.
+
+    moment2 is read for c > FAR s2 only.
+    """
+    disc = discriminant(b, c, w, s2, moment2)
     if well is None:
-        return approach(b, c, b * b - w * c)
-    outer = c + s2 * (1.0 - well.range * well.range)
-    disc = b * b - w * c
-    disc_outer = b * b - w * outer
+        return approach(b, c, disc) if b < 0.0 and disc > 0.0 else NEVER
+    edge2 = s2 * (well.range * well.range)
+    outer = c + (s2 - edge2)
+    disc_outer = discriminant(b, outer, w, edge2, moment2)
     inside = outer < 0.0
-    if abs(outer) < NEAR * s2:  # rounding cannot tell
+    if abs(outer) < near * s2:  # rounding cannot tell
         inside = bonded(bonds, i, j)
     if not inside:
         return approach(b, outer, disc_outer) if b < 0.0 and disc_outer > 0.0 else NEVER

@@ -4,38 +4,46 @@
     simulation = Simulation(model, positions, velocities)
     simulation.run(until=5.0)
 
-Time is kept as a base and a small remainder, which is moved into the base after a fixed number of events: clocks stay
-as precise as at the start, for any time.
+Time is kept as a base and a remainder, which is moved into the base when it exceeds some times to cross the box: its
+rounding then is that of positions, for any time and any number of particles.
 """
 
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from refimpl.events.kernels import loop, measure, neighbours, schedule
-from refimpl.events.model import FREQUENCY, PHASE, Floats, HardSpheres, Well
+from refimpl.events.model import FREQUENCY, OSCILLATING, PHASE, Floats, HardSpheres, Well
 from refimpl.events.prediction import NEVER
 from refimpl.events.state import (
+    SIMULTANEOUS,
     TOLERANCE,
+    Simultaneous,
     State,
     check_state,
     field_energy,
     kinetic_energies,
     masses_of,
+    nearness,
     radii_of,
     rotational_energies,
     spins_of,
+    time_to_cross,
+    two_sum,
     well_energy,
 )
 
 Scheduler = Literal["tree", "lists", "calendar"]
 
-#: Events per particle after which the clock gets a new base; that costs about one prediction a particle.
-REBASE_INTERVAL = 64
+#: Times to cross the box after which the clock gets a new base; that costs about one prediction a particle.
+RENEWAL = 16.0
+#: 2 pi to 50 digits: phases of walls stay those of the whole time.
+_FULL_TURN = Fraction("6.28318530717958647692528676655900576839433879875021")
 #: Mean wait for a particle's next event that the calendar is laid out for, in times to cross a cell.
 EXPECTED_WAIT = 0.25
 #: Share of the width of a cell beyond the contact range that is given to its overlap with its neighbours.
@@ -53,7 +61,8 @@ class Simulation:
     set; time is that of the velocities. Raises ValueError that names particles that overlap, lie outside the walls, or
     are not finite, and cells of the fields that are smaller than the contact range.
 
-    Attributes: model; number N and dimension d; stopped: "", or what ended the run for good.
+    Attributes: model; number N and dimension d; stopped: "", or what ended the run for good; simultaneous: see
+    `state.Simultaneous`.
 
     Literature: M. Marin, D. Risso and P. Cordero, J. Comput. Phys. 103, 306 (1993) (lists and tree); G. Paul, J.
     Comput. Phys. 221, 615 (2007) (calendar); B. D. Lubachevsky, J. Comput. Phys. 94, 255 (1991) (one event a particle).
@@ -86,15 +95,22 @@ class Simulation:
         self._rows[:, schedule.SPEED : schedule.SPEED + d] = v
         spins = None if model.rough is None else spins_of(angular_velocities, n, d)
         cells = _aligned(math.prod(self._grid.counts), 8, np.int32)
-        self._particles = loop.Particles(self._rows, ints, np.zeros(n), np.zeros((n, 3), np.int32), cells, spins, None)
+        ints[:, schedule.STREAK] = -1
+        hits = None if model.seed is None else np.zeros(n, np.int64)
+        last = None if model.contact_duration is None else np.full(n, -np.inf)
+        self._particles = loop.Particles(
+            self._rows, ints, np.zeros(n), np.zeros((n, 3), np.int64), cells, spins, None, hits, last
+        )
         self._scratch = _scratch(d, 8)
         self._store: Any = schedule.Earliest(0) if scheduler != "lists" else _lists(n, 4 * n + 256)
         self._queue = _calendar(n) if scheduler == "calendar" else _tree(n)
         self._trace = _trace() if trace else None
         self._traced: list[tuple[float, int, int]] = []
-        self._progress = np.zeros(7, np.int64)
+        self._progress = np.zeros(6, np.int64)
         self._base, self._now, self._rebases = (0.0, 0.0), 0.0, 0
-        self._instant = 0.0
+        self._phases = () if walls is None else tuple(map(float, walls.numbers[:, PHASE]))
+        self._crossing = self._instant = 0.0
+        self._ties, self.simultaneous = np.zeros(2), Simultaneous(0, math.nan)
         self.stopped = ""
         self._sort_into_cells()
         self._refuse_overlap()
@@ -125,14 +141,15 @@ class Simulation:
         most = np.iinfo(np.int64).max if collisions is None else collisions
         while not self.stopped:
             end = min(math.fsum((until, -self._base[0], -self._base[1])), 1e299)
-            renewal = (self._rebases + 1) * max(REBASE_INTERVAL * self.number, 1 << 16)
-            measured = loop.Measured(self._tallies, self._fields, self._counting, self._trace)
-            limits = loop.Limits(end, self._instant, most, renewal)
+            measured = loop.Measured(self._tallies, self._fields, self._counting, self._trace, self._ties)
+            renewal = min(RENEWAL * self._crossing, 1e299)
+            limits = loop.Limits(end, renewal, self._instant, SIMULTANEOUS * self._crossing, most)
             status, self._now = loop.advance(
                 self.model, self._grid, self._particles, self._store, self._queue, self._scratch, measured,
                 self._progress, self._now, limits,
             )  # fmt: skip
             self._collect_trace()
+            self._collect_simultaneous()
             if status in (loop.REACHED, loop.COUNTED):
                 return
             if status == loop.COLLAPSED:
@@ -151,6 +168,12 @@ class Simulation:
                 self._traced.append((math.fsum((*self._base, time)), one, other))
             self._trace.filled[0] = 0
 
+    def _collect_simultaneous(self) -> None:
+        number, first = int(self._ties[0]), self.simultaneous.first
+        if number and not self.simultaneous.number:
+            first = math.fsum((*self._base, self._ties[1]))
+        self.simultaneous = Simultaneous(number, first)
+
     def trace(self) -> list[tuple[float, int, int]]:
         """(time, i, j) of every change of state since the start, a pair in either order; j = -1 - face for a wall."""
         if self._trace is None:
@@ -163,22 +186,29 @@ class Simulation:
         return f"inelastic collapse of {who} at t = {self.time!r}"
 
     def _rebase_clock(self) -> None:
-        """Moves most of the time into its base, and starts all predictions again from there."""
+        """Moves the time into its base, and starts all predictions again from there."""
         self._rebases += 1
-        if self._now > 0:
-            unit = 2.0 ** (math.floor(math.log2(self._now)) - 7)
-            shift = math.floor(self._now / unit) * unit
-            self._base = _two_sum(*self._base, shift)
-            self._now -= shift
-            self._rows[:, schedule.TIME] -= shift
-            if self._tallies is not None:
-                self._tallies.sums[measure.SINCE] -= shift
-            if self._fields is not None:
-                self._fields.since[:] -= shift
-            if self.model.walls is not None:
-                numbers = self.model.walls.numbers
-                numbers[:, PHASE] = (numbers[:, PHASE] + numbers[:, FREQUENCY] * shift) % (2 * math.pi)
+        shift, self._now = self._now, 0.0
+        self._base = two_sum(*self._base, shift)
+        self._rows[:, schedule.TIME] -= shift
+        if self._particles.last is not None:
+            self._particles.last[:] -= shift
+        if self._tallies is not None:
+            self._tallies.sums[measure.SINCE] -= shift
+        if self._fields is not None:
+            self._fields.since[:] -= shift
+        self._set_phases()
         self._repredict_all()
+
+    def _set_phases(self) -> None:
+        """The phases of oscillating walls at the base of the clock, to the last bit."""
+        if self.model.walls is None:
+            return
+        base = Fraction(self._base[0]) + Fraction(self._base[1])
+        for face in np.flatnonzero(self.model.walls.motion == OSCILLATING):
+            numbers = self.model.walls.numbers[face]
+            turned = Fraction(self._phases[face]) + Fraction(float(numbers[FREQUENCY])) * base
+            numbers[PHASE] = float(turned % _FULL_TURN)
 
     def _enlarge(self, status: int) -> None:
         """Doubles the array that is too small for the next event; no part of that event has been applied."""
@@ -207,7 +237,7 @@ class Simulation:
             if grid.wraps[k]:
                 turns = np.floor(rows[:, k] / self.model.lengths[k])
                 rows[:, k] -= turns * self.model.lengths[k]
-                particles.images[:, k] += turns.astype(np.int32)
+                particles.images[:, k] += turns.astype(np.int64)
             ints[:, schedule.CELL + k] = np.clip(np.floor(rows[:, k] / side), 0, count - 1)
         x, y, z = (ints[:, schedule.CELL + k].astype(np.int64) for k in range(3))
         cell = (z * grid.counts[1] + y) * grid.counts[0] + x
@@ -221,6 +251,7 @@ class Simulation:
 
     def _repredict_all(self) -> None:
         """Marks all particles for a prediction of all their events at the current time."""
+        self._crossing = time_to_cross(self.model, self._rows[:, schedule.SPEED : schedule.SPEED + 3])
         self._instant = self._shortest_time()
         self._progress[loop.UNPREDICTED] = 0
         mobile = np.full(self.number, True) if self.model.inverse_masses is None else self.model.inverse_masses > 0
@@ -249,13 +280,14 @@ class Simulation:
         times = [size / speed] if speed > 0 else []
         if self.model.acceleration is not None and any(self.model.acceleration):
             times.append(math.sqrt(size / math.hypot(*self.model.acceleration)))
-        return 2.0**-33 * min(times, default=0.0)
+        # not below the rounding of the clock, in boxes of more than 1e5 diameters
+        return max(2.0**-33 * min(times, default=0.0), SIMULTANEOUS * self._crossing if self._crossing < NEVER else 0.0)
 
     # -- the start ---------------------------------------------------------------------------------
 
     def _refuse_overlap(self) -> None:
         gap, one, other = self.smallest_gap()
-        if gap < -TOLERANCE * self.model.diameter:
+        if gap < -TOLERANCE * self.model.diameter - 4 * self._grid.quantum:
             raise ValueError(f"particles {one} and {other} overlap by {-gap:.6g}: move them apart")
 
     def _find_bonds(self, well: Well) -> None:
@@ -313,9 +345,17 @@ class Simulation:
         return int(self._progress[loop.INTERACTIONS])
 
     def last_collisions(self) -> Floats:
-        """(N,) times of the last collision of each particle, -inf for those without one."""
-        times = self._base[0] + (self._base[1] + self._rows[:, schedule.TIME])
-        return np.where(self._particles.ints[:, schedule.COUNT] > 0, times, -np.inf)
+        """(N,) times of the last collision of each particle, -inf for those without one; kept for the TC model only."""
+        if self._particles.last is None:
+            raise ValueError("times of the last collisions are kept for a model with a contact duration only")
+        times: Floats = self._base[0] + (self._base[1] + self._particles.last)
+        return times
+
+    def wall_hits(self) -> NDArray[np.int64]:
+        """(N,) numbers of collisions with walls, which number the draws of random ones; kept for these only."""
+        if self._particles.hits is None:
+            raise ValueError("collisions of each particle with walls are counted where walls are random only")
+        return self._particles.hits.copy()
 
     def masses(self) -> Floats:
         """(N,), 0 for fixed particles: they have no kinetic energy."""
@@ -475,7 +515,7 @@ def _grid(
         shifts[:, axis] = wraps * length * (np.arange(27) // 3**axis % 3 - 1)
     grid = loop.Grid(
         (*counts, *[1] * pad), (*sides, *[1.0] * pad), (*overlaps, *[0.0] * pad),
-        (*model.periodic, *[False] * pad), shifts, quantum,
+        (*model.periodic, *[False] * pad), shifts, quantum, nearness(model),
     )  # fmt: skip
     return grid, (*blocks, *[1] * pad)
 
@@ -539,10 +579,3 @@ def _fields(shape: tuple[int, ...], blocks: tuple[int, ...], grid: loop.Grid, n:
         np.zeros((3, cells)), np.zeros((3, cells, 3)), np.zeros((3, cells)), np.zeros(cells), np.zeros(cells),
         np.zeros((cells, 3)), np.zeros(cells), np.zeros(n), ints,
     )  # fmt: skip
-
-
-def _two_sum(high: float, low: float, more: float) -> tuple[float, float]:
-    """(high + low) + more as a sum of two."""
-    total = high + more
-    error = (high - (total - (total - high))) + (more - (total - high))
-    return total, low + error

@@ -13,10 +13,27 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from refimpl.events.model import Floats, HardSpheres, Well
+from refimpl.events.model import AMPLITUDE, FREQUENCY, TEMPERATURE, VELOCITY, Floats, HardSpheres, Well
 
+#: |r^2 - s^2|/s^2 of a pair whose distance r was made equal to s: a generous bound in boxes of up to 1e4 diameters.
+NEAR = 1e-9
+#: The same where the rounding of positions is larger: so many sides of the box, over the diameter.
+NEAR_IN_BOX = 2.0**-44
+#: Two events are at one time if they are nearer than this, in times to cross the box: clocks are rounded to an eighth.
+SIMULTANEOUS = 2.0**-46
 #: Overlap of two particles at the start, in diameters, that passes as rounding of the input.
 TOLERANCE = 1e-9
+
+
+class Simultaneous(NamedTuple):
+    """Events that rounding cannot tell apart in time, and that share a particle: the order of particles decides.
+
+    number: of events in which a particle takes part that has had another event, with another partner, at the same time
+    (within `SIMULTANEOUS` times `time_to_cross`). first: time of the first of these; NaN for none.
+    """
+
+    number: int
+    first: float
 
 
 class State(NamedTuple):
@@ -74,6 +91,53 @@ def field_energy(model: HardSpheres, positions: Floats) -> float:
 def well_energy(model: HardSpheres, bonds: NDArray[np.int32] | None) -> float:
     """-depth for each pair inside its well."""
     return 0.0 if model.well is None or bonds is None else -0.5 * model.well.depth * float(bonds[:, 0].sum())
+
+
+# -- rounding --------------------------------------------------------------------------------------
+
+
+def nearness(model: HardSpheres) -> float:
+    """|r^2 - s^2|/s^2 below which rounding may hide whether a pair at the distance r is at its contact, or edge, s."""
+    return NEAR + NEAR_IN_BOX * max(model.lengths) / model.diameter if model.diameter > 0 else NEAR
+
+
+def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
+    """Longest side of the box over a typical speed: over so long a time, rounding of time and of positions are alike.
+
+    The speed is the root mean square of the velocities (N, d or more components) of mobile particles, of those of the
+    walls, and of what fields, wells and warm walls can give. Infinite where nothing moves.
+    """
+    squares = np.sum(velocities**2, axis=1)
+    if model.inverse_masses is not None and model.inverse_masses.any():
+        squares = squares[model.inverse_masses > 0]
+    square = float(np.mean(squares))
+    length = max(model.lengths)
+    lightest = 1.0 / model.mass if model.inverse_masses is None else float(model.inverse_masses.max())
+    if model.acceleration is not None:
+        square += 2.0 * length * math.hypot(*model.acceleration)
+    if model.well is not None:
+        square += 4.0 * abs(model.well.depth) * lightest
+    if model.walls is not None:
+        numbers = model.walls.numbers
+        square += float(
+            np.max(
+                numbers[:, VELOCITY] ** 2
+                + (numbers[:, AMPLITUDE] * numbers[:, FREQUENCY]) ** 2
+                + numbers[:, TEMPERATURE] * lightest
+            )
+        )
+    return length / math.sqrt(square) if square > 0 else math.inf
+
+
+def two_sum(high: float, low: float, more: float) -> tuple[float, float]:
+    """(high + low) + more as a sum of two: the first is rounded, the second what it lacks.
+
+    D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2. high, low, more: in any unit.
+    """
+    more += low
+    total = high + more
+    part = total - high
+    return total, (high - (total - part)) + (more - part)
 
 
 # -- the start -------------------------------------------------------------------------------------

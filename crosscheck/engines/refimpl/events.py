@@ -78,6 +78,7 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
             _advance(sim, pace, scene.duration, None)
     run.stopped = run.stopped or sim.stopped
     run.cost.events = sim.events
+    run.remarks = _remarks(sim)
 
     final = sim.state()
     run["final_positions"], run["final_velocities"] = final.positions + origin, final.velocities
@@ -183,6 +184,18 @@ def _as_usage_error(scene: Scene) -> Iterator[None]:
         yield
     except ValueError as error:
         raise UsageError(f"scene {scene.name}: {error}") from None
+
+
+def _remarks(sim: Any) -> tuple[str, ...]:
+    """What the user of a run must know of it. sim: a simulation of either algorithm, after the run."""
+    number, first = sim.simultaneous
+    if not number:
+        return ()
+    return (
+        f"{number} {'event' if number == 1 else 'events'} took place at the same time, within rounding, as another one "
+        f"of the same particle, the first at t = {first:.12g}: which of them comes first, and with it all that "
+        "follows, depends on the order in which the particles are given.",
+    )
 
 
 class _Naive(Naive):

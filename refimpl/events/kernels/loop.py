@@ -1,13 +1,16 @@
 """The event loop: cells, asynchronous clocks, prediction, and the rules at each event.
 
 rows (N, 8): x 0-2, v 3-5 and own time 6 of the last change of state, time of the next pair event 7: one cache line.
-ints (N, 8): partner, its collision count at the prediction, own collision count, cell 3-5, kind of the own event 6,
-number of collisions in a row at one instant 7. own (N,): time of the next event of the particle alone: a wall, or a
-face of its cell.
+ints (N, 8): partner, its count at the prediction, own count of changes of state, cell 3-5, kind of the own event 6, and
+7: twice the number of events in a row at one instant, plus 1 if the last was at a wall; -1 where the time of the state
+is not that of an event. own (N,): time of the next event of the particle alone: a wall, or a face of its cell. Counts
+of changes are modulo 2^32: all that is asked is whether two are equal, of which one is the other some changes ago, and
+never 2^32 of them: predictions end when the clock is renewed.
 
 The time of a pair's event is computed from the two states at the later of their own times. It is thus a function of
 these states alone, and the same to the last bit from whichever particle and whenever it is computed: every scheduler
-gives the same events. For this a shift by a period must be exact: positions are multiples of `Grid.quantum`.
+gives the same events. For this a shift by a period must be exact: positions are multiples of `Grid.quantum`, and the
+state of a particle that has crossed the box is taken anew (`_renew_far_state`).
 """
 
 from typing import Any, NamedTuple
@@ -51,7 +54,7 @@ from refimpl.events.kernels.schedule import (
 )
 from refimpl.events.model import AMPLITUDE, OSCILLATING, Vector
 from refimpl.events.prediction import (
-    NEAR,
+    FAR,
     NEVER,
     contact_distance,
     cylinder_time,
@@ -64,6 +67,7 @@ from refimpl.events.prediction import (
     resting_flight,
     rests,
     speed_after,
+    squared_moment,
     wall_time,
 )
 from refimpl.events.rules import (
@@ -83,17 +87,23 @@ REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FU
 #: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the cylinder; all events of the particle
 #: are to be predicted.
 WALL, CYLINDER, REPREDICT = 8, 16, 17
+#: Relative rounding of the two terms of a discriminant, generously: such pairs are looked at again, more precisely.
+SLACK = 1.0 + 2.0**-48
+#: What became of a passage of a cell's face: there was no room; done; done, and the state was taken anew.
+FULL, PASSED, RENEWED = range(3)
 #: More than COLLAPSE collisions of a particle in a row at one instant are an inelastic collapse; so are more than two
 #: whose relative normal velocity, squared, is below VANISHED times the squared velocities.
 COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
 #: More cells than this do not fit into the first two caches.
 MANY = 1 << 14
 #: Entries of `progress`; UNPREDICTED: the first particle whose events have not been predicted yet.
-PAIRS, EVENTS, CHANGES, INTERACTIONS, FIRST, SECOND, UNPREDICTED = range(7)
+PAIRS, EVENTS, INTERACTIONS, FIRST, SECOND, UNPREDICTED = range(6)
 
 
 class Grid(NamedTuple):
     """counts, sides, overlaps, wraps: of the cells along three axes. shifts: (27, 3) periods. quantum: of positions.
+
+    near: |r^2 - s^2|/s^2 that rounding may hide.
 
     A particle changes its cell only `overlaps` beyond the edge, so that it does not change it back at once; two
     particles that are not in neighbouring cells are still further apart than the contact range.
@@ -105,12 +115,14 @@ class Grid(NamedTuple):
     wraps: Any
     shifts: Any
     quantum: float
+    near: float
 
 
 class Particles(NamedTuple):
     """rows, ints, own as above. images: (N, 3) periods left behind. cells: (number, 1 + slots). spins: (N, 3) | None.
 
-    bonds: (N, 1 + slots) partners inside the well | None.
+    bonds: (N, 1 + slots) partners inside the well | None. hits: (N,) collisions with walls, of random walls | None.
+    last: (N,) times of the last collisions, for the TC model | None.
     """
 
     rows: Any
@@ -120,6 +132,8 @@ class Particles(NamedTuple):
     cells: Any
     spins: Any
     bonds: Any
+    hits: Any
+    last: Any
 
 
 class Trace(NamedTuple):
@@ -131,24 +145,30 @@ class Trace(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """What is recorded during a run; each may be None. counts: (6,) operations."""
+    """What is recorded during a run; each but the last may be None. counts: (6,) operations.
+
+    simultaneous: (2,) number of events that share a particle with another one of the same time, time of the first.
+    """
 
     tallies: Any
     fields: Any
     counts: Any
     trace: Any
+    simultaneous: Any
 
 
 class Limits(NamedTuple):
-    """Where a run ends: a time, a number of pair collisions, or of changes of state, all since the start.
+    """Where a run ends: a time, or a number of pair collisions since the start. Beyond `renewal` the clock is renewed.
 
-    instant: two collisions of a particle that are nearer in time count as simultaneous.
+    instant: two collisions of a particle that are nearer in time count as one instant, for a collapse. resolution:
+    two events nearer in time than this are simultaneous but for rounding.
     """
 
     until: float
+    renewal: float
     instant: float
+    resolution: float
     collisions: int
-    changes: int
 
 
 class Scratch(NamedTuple):
@@ -193,6 +213,44 @@ def _advance_to_now(model: Any, grid: Any, rows: Any, i: int, now: float) -> Non
     rows[i, TIME] = now
 
 
+@inline_internal
+def _renew_far_state(model: Any, grid: Any, particles: Any, i: int, axis: int, now: float) -> bool:
+    """Takes the state of a particle at the present if it flew over more than a box side since the last; whether it did.
+
+    Without this, distances would be rounded as the length of a free path is, however small the box.
+    """
+    rows, ints = particles.rows, particles.ints
+    length = model.lengths[axis]
+    if abs(rows[i, axis] - 0.5 * length) <= 1.5 * length:
+        return False
+    _advance_to_now(model, grid, rows, i, now)
+    ints[i, COUNT] += 1
+    ints[i, STREAK] = -1
+    return True
+
+
+@inline_internal
+def _moment_of_pair(model: Any, grid: Any, rows: Any, i: int, j: int, code: int) -> float:
+    """|r x v|^2 of a pair at the later of its two states; code: of the shift by a period, 13 for none."""
+    s = rows[i, TIME] - rows[j, TIME]
+    x, u = _relative_motion(model, grid, rows, i, j, code, s, 0)
+    y, v = _relative_motion(model, grid, rows, i, j, code, s, 1)
+    z, w = 0.0, 0.0
+    if len(model.lengths) == 3:
+        z, w = _relative_motion(model, grid, rows, i, j, code, s, len(model.lengths) - 1)
+    return squared_moment(x, y, z, u, v, w)
+
+
+@inline_internal
+def _relative_motion(
+    model: Any, grid: Any, rows: Any, i: int, j: int, code: int, s: float, k: int
+) -> tuple[float, float]:
+    vi, vj = rows[i, SPEED + k], rows[j, SPEED + k]
+    gap = rows[j, k] - rows[i, k] + grid.shifts[code, k]
+    acceleration = model.acceleration
+    return _relative_position(gap, vi, vj, s, acceleration, k), _relative_speed(vi, vj, s, acceleration, k)
+
+
 # -- square wells ----------------------------------------------------------------------------------
 
 
@@ -205,10 +263,13 @@ def _reach(well: Any) -> float:
 
 @inline_internal
 def _may_have_event(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
-    """Whether a pair may have an event before `within`; computed without branches."""
+    """Whether a pair may have an event before `within`; computed without branches, and generously.
+
+    edge: r^2 - s^2 for the edge of the well, less what rounding may hide. disc, disc_edge: not below the discriminants.
+    """
     if well is None:
         return (b < 0.0) & (disc > 0.0) & (c < -2.0 * b * within)
-    return (edge < NEAR) | ((b < 0.0) & (disc_edge > 0.0))
+    return (edge < 0.0) | ((b < 0.0) & (disc_edge > 0.0))
 
 
 # -- prediction ------------------------------------------------------------------------------------
@@ -315,11 +376,15 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
         size = contact_distance(diameter, radii, i, j)
         c = rr - size * size
         edge = rr - size * size * reach2
+        square = SLACK * (b * b)
         later = max(ti, tj)
         within = NEVER if keeps_all(store) else best - later
         ids[u] = j
+        if not inside:
+            codes[u] = codes[q]
         numbers[u, 0], numbers[u, 1], numbers[u, 2], numbers[u, 3] = b, c, w, later
-        u += np.int64(_may_have_event(well, b, c, b * b - w * c, edge, b * b - w * edge, within))
+        near = edge - grid.near * (size * size)
+        u += np.int64(_may_have_event(well, b, c, square - w * c, near, square - w * edge, within))
 
     for q in range(u):
         j = ids[q]
@@ -328,8 +393,11 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
             s = contact_distance(diameter, radii, i, j)
             s2 = s * s
             # points have no collisions: their times would be rounding only
-            if s > 0.0 and (c > NEAR * s2 or b >= 0.0 or not rests(rows, i, j, b, s2)):
-                span = pair_time(well, particles.bonds, i, j, b, c, w, s2)
+            if s > 0.0 and (c > grid.near * s2 or b >= 0.0 or not rests(rows, i, j, b, s2)):
+                moment2 = 0.0
+                if c > FAR * s2:
+                    moment2 = _moment_of_pair(model, grid, rows, i, j, 13 if inside else codes[q])
+                span = pair_time(well, particles.bonds, i, j, b, c, w, s2, moment2, grid.near)
                 if span < NEVER:
                     add(store, rows, particles.ints, counts, i, numbers[q, 3] + span, j)
 
@@ -424,9 +492,39 @@ def _no_bond_left(bonds: Any, i: int, j: int) -> bool:
 
 
 @inline_internal
-def _time_since_collision(rows: Any, ints: Any, i: int, now: float) -> float:
-    """Time since the particle's last collision; NEVER before the first."""
-    return now - rows[i, TIME] if ints[i, COUNT] > 0 else NEVER
+def _time_since_event(rows: Any, ints: Any, i: int, now: float) -> float:
+    """Time since the particle's last event; NEVER where its state is not that of an event."""
+    return now - rows[i, TIME] if ints[i, STREAK] >= 0 else NEVER
+
+
+@inline_internal
+def _collided_before(contact_duration: Any, last: Any, i: int, now: float) -> float:
+    """Time since the particle's last collision, for the TC model: the edge of a well is not one."""
+    if contact_duration is None:
+        return NEVER
+    return now - last[i]
+
+
+@inline_internal
+def _note_collision(contact_duration: Any, last: Any, i: int, now: float) -> None:
+    if contact_duration is not None:
+        last[i] = now
+
+
+@inline_internal
+def _hits_so_far(seed: Any, hits: Any, i: int) -> int:
+    """Number of the particle's collisions with walls, and one more from now on."""
+    if seed is None:
+        return np.int64(0)
+    hits[i] += 1
+    return hits[i] - 1
+
+
+@inline_internal
+def _note_simultaneous(simultaneous: Any, now: float) -> None:
+    simultaneous[0] += 1.0
+    if simultaneous[0] == 1.0:
+        simultaneous[1] = now
 
 
 @inline_internal
@@ -448,13 +546,16 @@ def _at_well_edge(
 
 @inline_internal
 def _collide(
-    model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, j: int, now: float, instant: float
+    model: Any, grid: Any, particles: Any, measured: Any, i: int, j: int, now: float, instant: float, resolution: float
 ) -> int:
     """The event of a pair: REACHED a collision, PAUSED the edge of a well; BONDS_FULL before anything; COLLAPSED."""
     if _no_bond_left(particles.bonds, i, j):
         return BONDS_FULL
-    rows, ints, spins = particles.rows, particles.ints, particles.spins
-    age_i, age_j = _time_since_collision(rows, ints, i, now), _time_since_collision(rows, ints, j, now)
+    rows, ints, spins, last = particles.rows, particles.ints, particles.spins, particles.last
+    tallies, fields, _, _, simultaneous = measured
+    age_i, age_j = _time_since_event(rows, ints, i, now), _time_since_event(rows, ints, j, now)
+    # two whose last event is of one and the same time had it with each other
+    together = rows[i, TIME] == rows[j, TIME] and (ints[i, STREAK] | ints[j, STREAK]) & 1 == 0
     fixed = is_fixed(model.inverse_masses, j)
     _advance_to_now(model, grid, rows, i, now)
     if not fixed:
@@ -468,32 +569,42 @@ def _collide(
     for k in range(3):
         speed2 += rows[i, SPEED + k] ** 2 + rows[j, SPEED + k] ** 2
     status = PAUSED
-    if not _at_well_edge(model.well, model, particles, tallies, fields, i, j, n, distance, gn, now) and gn < 0.0:
-        recent = still_in_contact(model.contact_duration, min(age_i, age_j))
+    changed = _at_well_edge(model.well, model, particles, tallies, fields, i, j, n, distance, gn, now)
+    if not changed and gn < 0.0:
+        one = _collided_before(model.contact_duration, last, i, now)
+        other = _collided_before(model.contact_duration, last, j, now)
+        recent = still_in_contact(model.contact_duration, min(one, other))
         alpha = normal_restitution(model.restitution, recent)
         note_pair_before(tallies, fields, model, rows, spins, i, j, now)
         impulse = pair_impulse(model.rough, spins, model, rows, i, j, n, gn, alpha, recent)
         apply_impulse(model, rows, i, j, impulse)
         note_pair_after(tallies, fields, model, rows, spins, i, j, n, distance, impulse)
-        status = REACHED
+        _note_collision(model.contact_duration, last, i, now)
+        if not fixed:
+            _note_collision(model.contact_duration, last, j, now)
+        status, changed = REACHED, True
+    if changed and min(age_i, age_j) < resolution and not together:
+        _note_simultaneous(simultaneous, now)
     ints[i, COUNT] += 1
-    if not fixed:
-        ints[j, COUNT] += 1
+    if fixed:
+        ints[i, STREAK] = 0
+        return status
+    ints[j, COUNT] += 1
     if max(age_i, age_j) >= instant:
         ints[i, STREAK] = 0
         ints[j, STREAK] = 0
         return status
-    ints[i, STREAK] += 1
-    ints[j, STREAK] += 1
-    streak = min(ints[i, STREAK], ints[j, STREAK])
+    ints[i, STREAK] = 2 * (ints[i, STREAK] >> 1) + 2
+    ints[j, STREAK] = 2 * (ints[j, STREAK] >> 1) + 2
+    streak = min(ints[i, STREAK], ints[j, STREAK]) >> 1
     if streak > COLLAPSE or (streak > 2 and gn * gn < VANISHED * speed2):
         return COLLAPSED
     return status
 
 
 @inline_internal
-def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
-    """Moves the particle through a face of its cell into the next one; False, and no change, if that is full."""
+def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> int:
+    """Moves the particle through a face of its cell into the next one; FULL, and no change, if that is full."""
     rows, ints, images = particles.rows, particles.ints, particles.images
     face = ints[i, OWN]
     k = face >> 1
@@ -505,25 +616,29 @@ def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int,
     full = particles.cells[_cell_of(grid, ints, i), 0] + 1 >= particles.cells.shape[1]
     ints[i, CELL + k] = old
     if full:
-        return False
+        return FULL
     note_crossing(fields, model, rows, particles.spins, particles.bonds, i, face, now)
     _leave_cell(grid, particles, i)
     ints[i, CELL + k] = cell
     rows[i, k] -= turn * model.lengths[k]
     images[i, k] += turn
     _enter_cell(grid, particles, i)
-    return True
+    if turn != 0 and _renew_far_state(model, grid, particles, i, k, now):
+        return RENEWED
+    return PASSED
 
 
 @inline_internal
 def _hit_wall(
-    model: Any, grid: Any, particles: Any, tallies: Any, fields: Any, i: int, now: float, instant: float
+    model: Any, grid: Any, particles: Any, measured: Any, i: int, now: float, instant: float, resolution: float
 ) -> bool:
     """Applies the collision of a particle with a wall; True if it is an inelastic collapse."""
-    rows, ints, spins = particles.rows, particles.ints, particles.spins
-    age = _time_since_collision(rows, ints, i, now)
+    rows, ints, spins, last = particles.rows, particles.ints, particles.spins, particles.last
+    tallies, fields, _, _, simultaneous = measured
+    age = _time_since_event(rows, ints, i, now)
     _advance_to_now(model, grid, rows, i, now)
-    recent = still_in_contact(model.contact_duration, age)
+    recent = still_in_contact(model.contact_duration, _collided_before(model.contact_duration, last, i, now))
+    hits = _hits_so_far(model.seed, particles.hits, i)
     note_wall_before(tallies, fields, model, rows, spins, i, now)
     face = ints[i, OWN] - WALL
     if ints[i, OWN] == CYLINDER:
@@ -531,12 +646,15 @@ def _hit_wall(
         at_cylinder(model, model.cylinder, rows, spins, i, recent)
     else:
         instant = max(instant, resting_flight(model.walls, model, face))
-        at_plane(model, model.walls, rows, spins, i, ints[i, COUNT], face, now, recent)
+        at_plane(model, model.walls, rows, spins, i, hits, face, now, recent)
     note_wall_after(tallies, fields, model, rows, spins, i, face)
     note_cylinder(tallies, model, rows, i, face)
+    _note_collision(model.contact_duration, last, i, now)
+    if age < resolution and ints[i, STREAK] & 1 == 0:
+        _note_simultaneous(simultaneous, now)
     ints[i, COUNT] += 1
-    ints[i, STREAK] = ints[i, STREAK] + 1 if age < instant else 0
-    return ints[i, STREAK] > COLLAPSE
+    ints[i, STREAK] = 2 * (ints[i, STREAK] >> 1) + 3 if age < instant else 1
+    return ints[i, STREAK] >> 1 > COLLAPSE
 
 
 @inline_internal
@@ -560,11 +678,11 @@ def advance(
     clock: float, limits: Any,
 ) -> tuple[int, float]:  # fmt: skip
     """Processes events from the time `clock` on until one of the `limits`; why it stopped, and the time then."""
-    tallies, fields, counts, trace = measured
-    until, instant, most_pairs, most_changes = limits
+    _, fields, counts, trace, _ = measured
+    until, renewal, instant, resolution, most_pairs = limits
     rows, ints, own = particles.rows, particles.ints, particles.own
     now, status = clock, REACHED
-    pairs, events, changes = progress[PAIRS], progress[EVENTS], progress[CHANGES]
+    pairs, events = progress[PAIRS], progress[EVENTS]
     interactions, unpredicted = progress[INTERACTIONS], progress[UNPREDICTED]
     while True:
         # at the start all are due at one time, and the calendar would compare all of these for each of them
@@ -581,11 +699,11 @@ def advance(
         if pairs >= most_pairs:
             status = COUNTED
             break
-        if changes >= most_changes:
-            status = PAUSED
-            break
         if due > until:
             now = until
+            break
+        if due > renewal:
+            now, status = min(due, np.floor(due / renewal) * renewal), PAUSED
             break
         if not has_room(store, 2 * scratch.ids.size):
             status = STORE_FULL
@@ -599,17 +717,20 @@ def advance(
         if own_time < pair_time:
             if ints[i, OWN] < WALL:
                 layer = ints[i, OWN]
-                if _cross_cell_face(model, grid, particles, fields, i, now):
-                    tick(counts, CROSSINGS, 1)
-                else:
+                passage = _cross_cell_face(model, grid, particles, fields, i, now)
+                if passage == FULL:
                     status = CELL_FULL
+                else:
+                    tick(counts, CROSSINGS, 1)
+                    if passage == RENEWED:
+                        layer = -1
             elif ints[i, OWN] == REPREDICT:
                 unpredicted += 1
             else:
                 interactions += 1
                 tick(counts, WALL_EVENTS, 1)
                 _append_to_trace(trace, now, i, WALL - 1 - ints[i, OWN])
-                if _hit_wall(model, grid, particles, tallies, fields, i, now, instant):
+                if _hit_wall(model, grid, particles, measured, i, now, instant, resolution):
                     progress[FIRST], progress[SECOND] = i, -1
                     status = COLLAPSED
         else:
@@ -619,10 +740,9 @@ def advance(
                 pop(store, rows, ints, counts, i)
                 j = np.int64(-1)
                 anew, again = False, not keeps_all(store)
-                changes -= 1
             else:
                 prefetch_entry(queue, j)
-                done = _collide(model, grid, particles, tallies, fields, i, j, now, instant)
+                done = _collide(model, grid, particles, measured, i, j, now, instant, resolution)
                 pairs += done in (REACHED, COLLAPSED)
                 interactions += done != BONDS_FULL
                 if done != BONDS_FULL:
@@ -635,7 +755,6 @@ def advance(
         if status == CELL_FULL or status == BONDS_FULL:  # the event has not been applied
             break
         events += 1
-        changes += 1
         if status == COLLAPSED:
             break
         if again and layer < 0:
@@ -650,6 +769,6 @@ def advance(
                 _predict(model, grid, particles, store, scratch, counts, one, layer)
             update(queue, counts, one, min(rows[one, NEXT], own[one]))
             one, j = j, np.int64(-1)
-    progress[PAIRS], progress[EVENTS], progress[CHANGES] = pairs, events, changes
+    progress[PAIRS], progress[EVENTS] = pairs, events
     progress[INTERACTIONS], progress[UNPREDICTED] = interactions, unpredicted
     return status, now

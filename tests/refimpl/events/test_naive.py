@@ -13,7 +13,6 @@ from event_scenes import full, scatter, spheres, thermal
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from refimpl.events.kernels.schedule import COUNT
 from refimpl.events.model import (
     AMPLITUDE,
     FREQUENCY,
@@ -50,7 +49,8 @@ def naive_from(fast: Simulation) -> Naive:
     x = np.where(model.periodic, state.positions % lengths, state.positions)
     naive = Naive(
         model, x, state.velocities, state.angular_velocities,
-        last=fast.last_collisions() - state.time, counts=fast._particles.ints[:, COUNT],
+        last=-np.inf if model.contact_duration is None else fast.last_collisions() - state.time,
+        hits=0 if model.seed is None else fast.wall_hits(),
     )  # fmt: skip
     if naive._bonds is not None:  # at the edge of a well, positions cannot tell
         held = fast._particles.bonds

@@ -185,18 +185,20 @@ def test_pieces_of_a_run_across_a_renewal() -> None:
     assert_same(whole, cut)
 
 
-def test_a_cut_just_before_a_renewal() -> None:
-    """A ball between two walls, hit once in h; after its first event and 65535 bounces, of 65536 h, is a renewal.
+def test_a_cut_at_a_renewal() -> None:
+    """A ball between two walls, hit once in h, at h/2, 3h/2 ...: the box is 1.5 h high, the renewal due at 24 h.
 
-    Then it is 65535.5; the cut at 65536.2 is before the next bounce, at 65536.5.
+    It takes place before the hit at 24.5 h, also where the run is cut between the two.
     """
-    period = 65536 / 65535.5
+    h = 1.0 + 1e-3 / 3
     model = full(1, lengths=(3.0, 3.0), periodic=(True, False), faces=[None, None, Face(), Face()])
-    whole, cut = (Simulation(model, [[1.0, 0.5]], [[0.0, 2 / period]], trace=True) for _ in range(2))
-    cut.run(until=65_536.2)
+    whole, cut = (Simulation(model, [[1.0, 1.5]], [[0.0, 2 / h]], trace=True) for _ in range(2))
+    for end in (23.9 * h, 24.2 * h):
+        cut.run(until=end)
+        assert cut._rebases == 0
     for ball in (whole, cut):
-        ball.run(until=70_000.0)
-    assert whole._rebases == 1
+        ball.run(until=30 * h)
+    assert whole._rebases == cut._rebases == 1
     assert_same(whole, cut)
 
 

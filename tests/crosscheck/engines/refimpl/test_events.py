@@ -335,3 +335,41 @@ def test_what_only_the_algorithm_can_tell_is_about_the_scene(refimpl: Worker) ->
     scene = disks(box=box, initial=lattice, output=Output(fields=(13, 3)))
     with pytest.raises(UsageError, match=r"scene disks: fields: cells of side 0.923077 along axis 0 are smaller"):
         refimpl.run(scene, EVENTS)
+
+
+# -- what a user must know --------------------------------------------------------------------------------
+
+
+def ring(order: int) -> Scene:
+    """24 beads at a distance of 3 that fly at a disk in their middle, one way round or the other."""
+    angles = order * 2 * np.pi * np.arange(24) / 24
+    way = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    start = Explicit(
+        positions=((0.0, 0.0), *map(tuple, (3 * way).tolist())), velocities=((0.0, 0.0), *map(tuple, (-way).tolist()))
+    )
+    return disks(
+        duration=10.0,
+        masses=(10.0, *[1.0] * 24),
+        species=(0, *[1] * 24),
+        hard_spheres=HardSpheres(diameter=(4.0, 0.2)),
+        initial=start,
+        output=Output(interval=0.5, observables=("kinetic_energy", "collisions"), trajectory=True),
+    )
+
+
+@pytest.mark.parametrize("scheduler", ["tree", "naive"])
+def test_simultaneous_events_of_one_particle_are_told(scheduler: str) -> None:
+    """The same ring in another order of the beads: another outcome, of which the run warns."""
+    runs = [run_events(ring(order), scheduler) for order in (1, -1)]
+    for run in runs:
+        (remark,) = run.remarks
+        assert "at the same time, within rounding, as another one of the same particle, the first at t = 0.9:" in remark
+        assert int(remark.split()[0]) >= 23
+        assert remark.endswith("depends on the order in which the particles are given.")
+        assert run["kinetic_energy"][-1] == pytest.approx(12.0, rel=1e-12)
+        assert not run.stopped
+    assert np.abs(runs[0]["final_velocities"][0] - runs[1]["final_velocities"][0]).max() > 0.1
+
+
+def test_an_ordinary_run_has_no_remarks() -> None:
+    assert run_events(disks(), "tree").remarks == ()
