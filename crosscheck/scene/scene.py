@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError, model_validator
 
 from crosscheck.errors import UsageError
+from crosscheck.scene.configuration import check_against, entries_from, read_configuration
 from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, refuse_hard_spheres_entries
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
@@ -26,7 +27,6 @@ from crosscheck.scene.starts import (
     lattice_sites,
     lattice_sites_inside,
     random_velocities,
-    read_configuration,
     refuse_coincidence,
 )
 
@@ -108,7 +108,10 @@ class Scene(SceneEntries):
             raise UsageError(f"{path}: not valid TOML: {error}") from None
         scene = cls.from_json(json.dumps(table, default=str), str(path))
         if isinstance(scene.initial, File):
-            scene = scene.changed(initial=read_configuration(path.parent / scene.initial.path, scene.dimension))
+            place = path.parent / scene.initial.path
+            found = read_configuration(place)
+            scene = scene.changed(**entries_from(found, scene, place))
+            check_against(found, scene, place, lengths=scene.lengths(), diameters=scene.diameters())
         return scene
 
     def to_json(self) -> str:
