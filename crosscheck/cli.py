@@ -92,11 +92,15 @@ def simulate(
     scene: Annotated[Path, typer.Argument(help="Scene file (TOML), or the name of a shipped scene.")],
     engine: Engines = None,
     out: Out = Path("crosscheck-out"),
+    restart: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Go on from this file, restart-<engine>.npz of an earlier run of the scene."),
+    ] = None,
 ) -> None:
     """Run a scene; write observables, trajectory and a picture, of several engines side by side."""
     from crosscheck import commands
 
-    commands.simulate(scene, engine or ["refimpl"], out)
+    commands.simulate(scene, engine or ["refimpl"], out, restart)
 
 
 @app.command()

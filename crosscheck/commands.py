@@ -291,15 +291,15 @@ def report(directory: Path) -> None:
     print(write_report(directory))
 
 
-def simulate(scene: Path, engine_list: list[str], out: Path) -> None:
+def simulate(scene: Path, engine_list: list[str], out: Path, restart: Path | None = None) -> None:
     """Runs a scene and prints the paths of the files written.
 
     scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
-    files. UsageError: see `crosscheck.simulate.run.simulate`.
+    files. restart: a restart file to go on from; None: none. UsageError: see `crosscheck.simulate.run.simulate`.
     """
     from crosscheck.simulate.run import simulate as simulate_scene
 
-    for path in simulate_scene(scene, engine_list, out):
+    for path in simulate_scene(scene, engine_list, out, restart):
         print(path)
 
 

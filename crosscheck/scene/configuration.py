@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.errors import UsageError
-from crosscheck.scene.parts import AXES, Explicit, Floats, SceneEntries
+from crosscheck.scene.parts import AXES, Floats, SceneEntries
 from crosscheck.scene.starts import explicit
 
 #: Relative difference of two numbers of which one was printed with six digits, as by "%g": half a unit of the last one.
@@ -347,7 +347,8 @@ def check_against(
     """UsageError, with the numbers of both, if a file states other particles or another box than the scene.
 
     found: what the file states. scene: with the entries of `entries_from`. path: of the file, for messages. lengths:
-    sides of the scene's box, (d,), length; None: open space. diameters: of its hard spheres, (N,), length; None: others.
+    sides of the scene's box, (d,), length; None: open space. diameters: of its hard spheres, (N,), length; None: it has
+    others.
     """
 
     def refuse(what: str, there: Any, here: Any, mend: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from collections.abc import Sequence
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -15,6 +16,7 @@ from crosscheck.errors import EngineMissing, UsageError
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.simulate.observables import Result, observables, write_observables
 from crosscheck.simulate.picture import draw_picture
+from crosscheck.simulate.restart import Restart, check_version, going_on, read_restart, write_restart
 from crosscheck.simulate.trajectory import write_trajectories
 
 
@@ -38,22 +40,31 @@ def load(name: str | Path) -> Scene:
     raise UsageError(f"{name}: there is no such file, nor a shipped scene; shipped are {', '.join(shipped_scenes())}")
 
 
-def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]:
+def simulate(scene: str | Path, engines: Sequence[str], out: Path, restart: Path | None = None) -> list[Path]:
     """Runs a scene on each engine with the scene's own method and writes the results; returns the paths of all files.
 
     scene: a TOML file, or the name of a shipped scene. engines: names, or path.py:Class, each once. out: the directory
     to write to, made if it is not there: observables-<engine>.csv and trajectory-<engine>.<format> where the scene
-    records them, picture.png and picture.svg always.
+    records them, restart-<engine>.npz of engines that can go on from one, picture.png and picture.svg always. restart:
+    a file of the last kind to go on from; None: the run begins at the scene's initial state.
 
-    UsageError if the scene is not valid or has no [method], and if an engine is missing or cannot run the scene.
+    UsageError if the scene is not valid or has no [method], if an engine is missing or cannot run the scene, and if the
+    restart file is damaged, or of another scene, method or engine.
     """
     loaded = load(scene)
     method = _method(loaded)
     if len(set(engines)) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
-    pool = Pool()
+    before = None if restart is None else read_restart(restart)
+    if before is not None:
+        loaded = going_on(before, loaded, method, engines)
+    pool, scratch = Pool(), tempfile.TemporaryDirectory(prefix="crosscheck-")
+    states = {engine: Path(scratch.name) / f"{number}.npz" for number, engine in enumerate(engines)}
     try:
-        results = [_run(loaded, method, engine, pool) for engine in engines]
+        results = [_run(loaded, method, engine, pool, before, states[engine]) for engine in engines]
+    except BaseException:
+        scratch.cleanup()
+        raise
     finally:
         pool.close()
     out.mkdir(parents=True, exist_ok=True)
@@ -63,6 +74,13 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path) -> list[Path]
         if len(result.table) > 1:
             written.append(write_observables(out / f"observables-{name}.csv", loaded, method, result))
         written += write_trajectories(out, name, loaded, result.run)
+        state = states[result.engine]
+        if state.exists():
+            written.append(out / f"restart-{name}.npz")
+            span = loaded.duration if loaded.output.collisions is None else float(result.run["time"][-1])
+            end = span if before is None else before.time + span
+            write_restart(written[-1], state, loaded, method, (result.engine, result.version), end)
+    scratch.cleanup()
     compared = differences(*results) if len(results) == 2 else {}
     return written + draw_picture(out, loaded, method, results, compared)
 
@@ -79,7 +97,7 @@ def _method(scene: Scene) -> Method:
     raise UsageError(f"scene {scene.name}: add [method] with {example}")
 
 
-def _run(scene: Scene, method: Method, engine: str, pool: Pool) -> Result:
+def _run(scene: Scene, method: Method, engine: str, pool: Pool, restart: Restart | None, keep: Path) -> Result:
     """The run of one engine in its worker process; UsageError if the engine is missing or cannot run the scene."""
     worker = pool.worker(engine)
     schemes = engine_class(engine).schemes
@@ -89,7 +107,9 @@ def _run(scene: Scene, method: Method, engine: str, pool: Pool) -> Result:
         raise UsageError(str(missing)) from None
     if reason is not None:
         raise UsageError(f"{engine} cannot run scene {scene.name}: {reason}; its schemes: {', '.join(schemes)}")
-    run = worker.run(scene, method)
+    if restart is not None:
+        check_version(restart, version)
+    run = worker.run(scene, method, None if restart is None else restart.path.absolute(), keep)
     return Result(engine, version, run, observables(scene, run))
 
 

@@ -14,6 +14,7 @@ Literature: B. J. Alder and T. E. Wainwright, J. Chem. Phys. 31, 459 (1959).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ from refimpl.events.rules import (
     still_in_contact,
 )
 from refimpl.events.state import State, bonds_of, check_state, spins_of
+from refimpl.snapshot import Arrays, restore, snapshot
 
 #: Column of `rows`: the time of the particle's last collision.
 _LAST = 6
@@ -108,6 +110,24 @@ class Naive:
                 self.collisions += apply_event(
                     self.model, self._rows, self._spins, self._bonds, i, j, self._counts, self.time
                 )
+
+    def snapshot(self) -> Arrays:
+        """The complete state as arrays by name, without the trace: `resume` goes on from it with the same bits."""
+        return snapshot(self._state())
+
+    def resume(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Goes on from where another run of the same model was; the trace begins anew.
+
+        arrays: of its `snapshot`. Raises ValueError that names an array which does not fit.
+        """
+        state = restore(self._state(), arrays)
+        self.time, self.collisions = state["time"], state["collisions"]
+
+    def _state(self) -> dict[str, Any]:
+        return {
+            "time": self.time, "collisions": self.collisions, "rows": self._rows, "turns": self._turns,
+            "counts": self._counts, "spins": self._spins, "bonds": self._bonds,
+        }  # fmt: skip
 
     def state(self) -> State:
         """The state of all particles now."""

@@ -18,6 +18,7 @@ from refimpl.stepping.forces.generic import (
     energy_and_virial,
     enlarge,
     kinetic_energy,
+    renew,
     status,
 )
 from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
@@ -44,6 +45,8 @@ def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # t
     r, v, memory = state
     positions, velocities = frames
     for number in range(first + 1, last + 1):
+        if number % every == 0 and len(positions) > 0:
+            renew(force)
         r_new, v_new, memory_new = step(scheme, force, r, v, memory, dt)
         outcome = status(force)
         if outcome != GOOD:
@@ -96,7 +99,8 @@ class Integration:
 
     r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a non-finite state.
     positions, velocities: (samples, N*d), or fewer coordinates if asked so, or None. thermo: (samples, 3), columns K,
-    U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended.
+    U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended. memory: of the
+    scheme at the end.
     """
 
     r: np.ndarray
@@ -108,6 +112,7 @@ class Integration:
     thermo: np.ndarray | None
     evaluations: int
     force: Force
+    memory: Memory
 
 
 def compile_steps(scheme: str, force: Force, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
@@ -133,12 +138,14 @@ def integrate(
     trajectory: bool = False,
     last: int | None = None,
     thermo: bool = False,
+    memory: Memory | None = None,
 ) -> Integration:
     """Takes `steps` steps of length `dt` with a scheme of `SCHEMES`.
 
     scheme: its name. force: a record with the functions of `forces.generic`. r, v: flat initial state, shape (N*d,),
     left untouched. every: steps between samples (default: one, at the end). trajectory: record r and v at the samples;
     last: only so many of their last coordinates. thermo: record kinetic energy, potential energy and virial there.
+    memory: of the integration that ended with this r, v and force, to go on from there; None: the scheme starts.
     Raises KeyError for an unknown scheme, ValueError for bad sizes.
     """
     if steps < 0 or (every is not None and every < 1):
@@ -156,7 +163,8 @@ def integrate(
     velocities = positions.copy()
     energies = np.full((samples, 3), np.nan) if thermo else None
 
-    while True:
+    outcome, starts = GOOD, memory is None
+    while starts:
         # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
         outcome = status(force)
@@ -172,6 +180,7 @@ def integrate(
             force = enlarge(force)
             energies[0] = thermo_now(force, r, v)
 
+    assert memory is not None
     done = 0
     while outcome != DIVERGED and done < steps:
         (r, v, memory), done, outcome = _advance(
@@ -189,6 +198,7 @@ def integrate(
         positions=positions if trajectory else None,
         velocities=velocities if trajectory else None,
         thermo=energies,
-        evaluations=table.start_evaluations + done * table.evaluations,
+        evaluations=starts * table.start_evaluations + done * table.evaluations,
         force=force,
+        memory=memory,
     )

@@ -6,6 +6,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from crosscheck.engines.protocol import Cost, Run, sample_times, timed
+from crosscheck.engines.refimpl.continuation import Continuation
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
 from refimpl.stepping.schemes import SCHEMES
@@ -24,13 +25,15 @@ def integrated(
     trajectory: bool,
     thermo: bool,
     last: int | None = None,
+    ends: Continuation | None = None,
 ) -> tuple[Integration, Cost]:
     """Integrates over the duration of `scene`; the result of `refimpl.stepping.integrate.integrate`, and the cost.
 
     Compilation is done before, and is not part of the cost of the integration. scene: gives duration and interval.
     method: scheme and dt. force: a force record of `refimpl`. r, v: flat coordinates and velocities, (n,). trajectory,
     thermo: whether to record the states, and the energies and the virial, at the samples. last: record so many of the
-    last coordinates instead of all; None: all. UsageError if dt does not divide duration and interval.
+    last coordinates instead of all; None: all. ends: from where the run goes on, and what it leaves; None: nothing
+    of it. UsageError if dt does not divide duration and interval.
     """
     from numba import typeof
 
@@ -46,19 +49,37 @@ def integrated(
         with one_at_a_time(f"{type(SCHEMES[method.scheme].record).__name__} {thermo} {forces_type}"):
             compile_steps(method.scheme, force, r, v, dt, thermo=thermo)
     cost.compile = time.perf_counter() - started
+    memory = None
+    if ends is not None and ends.start is not None:
+        memory = SCHEMES[method.scheme].record.start(force, r, v, dt)
+        like = {"r": r.copy(), "v": v.copy(), "memory": memory, "force": force}
+        r, v, memory, force = ends.restored(like, growing=("force",)).values()
 
     with timed(cost):
         done = integrate(
-            method.scheme, force, r, v, dt, steps, every=every, trajectory=trajectory, last=last, thermo=thermo
+            method.scheme,
+            force,
+            r,
+            v,
+            dt,
+            steps,
+            every=every,
+            trajectory=trajectory,
+            last=last,
+            thermo=thermo,
+            memory=memory,
         )
+    if ends is not None and not done.diverged:
+        ends.leave({"r": done.r, "v": done.v, "memory": done.memory, "force": done.force})
     cost.steps, cost.evaluations = done.steps, done.evaluations
     return done, cost
 
 
-def run_steps(scene: Scene, method: Method) -> Run:
+def run_steps(scene: Scene, method: Method, ends: Continuation | None = None) -> Run:
     """Runs a scene of springs, gravity or Lennard-Jones particles.
 
-    scene, method: as for `Engine.run`. UsageError if dt does not divide duration and interval.
+    scene, method: as for `Engine.run`. ends: from where the run goes on, and what it leaves; None: nothing of it.
+    UsageError if dt does not divide duration and interval.
     """
 
     from refimpl.stepping.integrate import acceleration
@@ -73,6 +94,7 @@ def run_steps(scene: Scene, method: Method) -> Run:
         v,
         trajectory=output.trajectory,
         thermo=bool(output.observables),
+        ends=ends,
     )
 
     def rows(flat: Floats) -> Floats:

@@ -60,11 +60,15 @@ class Worker:
         reply = self._call({"call": "supports", "scene": scene.to_json(), "method": method.model_dump_json()})
         return None if reply["reason"] is None else str(reply["reason"])
 
-    def run(self, scene: Scene, method: Method) -> Run:
-        """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it."""
+    def run(self, scene: Scene, method: Method, restart: Path | None = None, keep: Path | None = None) -> Run:
+        """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it.
+
+        restart: file with the state from which the run goes on, see `Restartable`; None: from the scene's initial one.
+        keep: file for the state at its end, written if the engine can restart and the run came to its end; None: none.
+        """
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         path = Path(self._directory.name) / "run.npz"
-        reply = self._call({"call": "run", "path": str(path), **texts})
+        reply = self._call({"call": "run", "path": str(path), "restart": _text(restart), "keep": _text(keep), **texts})
         if "unsupported" in reply:
             raise Unsupported(f"{self.engine}: {reply['unsupported']}")
         with np.load(path) as arrays:
@@ -171,6 +175,10 @@ class Worker:
         self._process.kill()
         self._process.wait()
         self._process = None
+
+
+def _text(path: Path | None) -> str | None:
+    return None if path is None else str(path)
 
 
 def _wait(deadline: float, *, read: int | None = None, write: int | None = None) -> None:

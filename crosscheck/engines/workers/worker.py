@@ -14,14 +14,16 @@ import os
 import signal
 import sys
 import traceback
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from crosscheck.engines.capabilities import refusal
-from crosscheck.engines.protocol import Claims, Engine, Run, sample_times, shapes
+from crosscheck.engines.protocol import Claims, Engine, Restartable, Run, sample_times, shapes
 from crosscheck.engines.registry import load_engine
 from crosscheck.engines.soft_spheres import resolved
+from crosscheck.engines.workers.states import read_arrays
 from crosscheck.errors import UsageError
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.scene.observables import TABLE
@@ -31,7 +33,8 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     """The answer to one request.
 
     engine: an instance. request: "call" is "version", "supports" or "run"; the latter two hold "scene" and "method" as
-    JSON texts, and "run" the "path" of the file for the arrays. UsageError for a mistake in scene or method; ValueError
+    JSON texts, and "run" the "path" of the file for the arrays, and perhaps "restart" and "keep", the files with the
+    state from which the run goes on and for that at its end. UsageError for a mistake in scene or method; ValueError
     if a run holds arrays of other shapes than the scene asks for; any exception of the engine.
     """
     if request["call"] == "version":
@@ -45,7 +48,7 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     if reason is not None:
         return {"unsupported": reason}
     _check_step(engine.schemes[method.scheme], method)
-    run = engine.run(wanted, method)
+    run = _run(engine, wanted, method, request)
     _check_arrays(run, wanted, method)
     np.savez(request["path"], allow_pickle=False, **_asked_arrays(run, scene))
     return {
@@ -54,6 +57,22 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
         "cost": dataclasses.asdict(run.cost),
         "remarks": list(run.remarks),
     }
+
+
+def _run(engine: Engine, scene: Scene, method: Method, request: dict[str, Any]) -> Run:
+    """The run; from the state in the file `restart` of the request, and to that in `keep`, if they are given."""
+    restart, keep = request.get("restart"), request.get("keep")
+    if isinstance(engine, Restartable) and keep is not None:
+        run, state = engine.run_from(scene, method, None if restart is None else read_arrays(Path(restart)))
+        if state is not None and not run.diverged and not run.stopped:
+            np.savez(keep, allow_pickle=False, **state)
+        return run
+    if restart is not None:
+        raise UsageError(
+            f"--restart: {engine.name} does not promise the same bits after a restart: start from its trajectory "
+            "(initial.kind = 'file'), which is the same to round-off"
+        )
+    return engine.run(scene, method)
 
 
 def _without_derived(scene: Scene) -> Scene:

@@ -112,6 +112,15 @@ def enlarge(force: Force) -> Force:
     raise NotImplementedError("this force has no work arrays")
 
 
+@_dispatched
+def renew(force: Force) -> None:
+    """Lets the next evaluation find its pairs anew, as the first one did.
+
+    The order of a neighbour list, hence that of summation, depends on where the list was made. Called before the step
+    to each recorded state, so that a run that starts there has the same list, and the same bits.
+    """
+
+
 @overload(accelerate, inline="never", strict=False)
 def _accelerate(force: Any, r: Any, v: Any) -> Any:
     return _compiled_implementation(accelerate, force)
@@ -145,3 +154,8 @@ def _derivatives(force: Any, r: Any, v: Any, count: Any) -> Any:
 @overload(status, inline="never", strict=False)
 def _status(force: Any) -> Any:
     return _compiled_implementation(status, force)
+
+
+@overload(renew, inline="never", strict=False)
+def _renew(force: Any) -> Any:
+    return _compiled_implementation(renew, force)

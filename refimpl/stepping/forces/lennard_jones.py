@@ -34,6 +34,7 @@ from refimpl.stepping.forces.generic import (
     implements,
     kinetic_energy,
     potential_energy,
+    renew,
     status,
     virial,
 )
@@ -41,6 +42,7 @@ from refimpl.stepping.kernels.lennard_jones import between_walls, tile_accelerat
 from refimpl.stepping.kernels.neighbours import (
     BUILDS,
     STATUS,
+    VALID,
     Neighbours,
     copy_to_slots,
     enlarge_neighbours,
@@ -444,6 +446,11 @@ def _kinetic_energy(force: LennardJones, v: np.ndarray) -> float:
 @implements(status, LennardJones)
 def _status(force: LennardJones) -> int:
     return force.neighbours.bookkeeping[STATUS]
+
+
+@implements(renew, LennardJones)
+def _renew(force: LennardJones) -> None:
+    force.neighbours.bookkeeping[VALID] = 0
 
 
 @implements(enlarge, LennardJones)
