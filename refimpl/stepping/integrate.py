@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,8 +100,8 @@ class Integration:
 
     r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a non-finite state.
     positions, velocities: (samples, N*d), or fewer coordinates if asked so, or None. thermo: (samples, 3), columns K,
-    U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended. memory: of the
-    scheme at the end.
+    U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended. state: all that
+    decides how it would go on, with the memory of the scheme.
     """
 
     r: np.ndarray
@@ -112,7 +113,7 @@ class Integration:
     thermo: np.ndarray | None
     evaluations: int
     force: Force
-    memory: Memory
+    state: dict[str, Any]
 
 
 def compile_steps(scheme: str, force: Force, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
@@ -138,14 +139,14 @@ def integrate(
     trajectory: bool = False,
     last: int | None = None,
     thermo: bool = False,
-    memory: Memory | None = None,
+    state: Mapping[str, Any] | None = None,
 ) -> Integration:
     """Takes `steps` steps of length `dt` with a scheme of `SCHEMES`.
 
     scheme: its name. force: a record with the functions of `forces.generic`. r, v: flat initial state, shape (N*d,),
     left untouched. every: steps between samples (default: one, at the end). trajectory: record r and v at the samples;
     last: only so many of their last coordinates. thermo: record kinetic energy, potential energy and virial there.
-    memory: of the integration that ended with this r, v and force, to go on from there; None: the scheme starts.
+    state: that of an earlier integration, to go on from in place of r, v and force; None: the scheme starts.
     Raises KeyError for an unknown scheme, ValueError for bad sizes.
     """
     if steps < 0 or (every is not None and every < 1):
@@ -163,7 +164,9 @@ def integrate(
     velocities = positions.copy()
     energies = np.full((samples, 3), np.nan) if thermo else None
 
-    outcome, starts = GOOD, memory is None
+    outcome, starts = GOOD, state is None
+    if state is not None:
+        r, v, memory, force = (state[name] for name in ("r", "v", "memory", "force"))
     while starts:
         # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
@@ -180,7 +183,6 @@ def integrate(
             force = enlarge(force)
             energies[0] = thermo_now(force, r, v)
 
-    assert memory is not None
     done = 0
     while outcome != DIVERGED and done < steps:
         (r, v, memory), done, outcome = _advance(
@@ -200,5 +202,5 @@ def integrate(
         thermo=energies,
         evaluations=starts * table.start_evaluations + done * table.evaluations,
         force=force,
-        memory=memory,
+        state={"r": r, "v": v, "memory": memory, "force": force},
     )

@@ -49,11 +49,10 @@ def integrated(
         with one_at_a_time(f"{type(SCHEMES[method.scheme].record).__name__} {thermo} {forces_type}"):
             compile_steps(method.scheme, force, r, v, dt, thermo=thermo)
     cost.compile = time.perf_counter() - started
-    memory = None
+    state = None
     if ends is not None and ends.start is not None:
-        memory = SCHEMES[method.scheme].record.start(force, r, v, dt)
-        like = {"r": r.copy(), "v": v.copy(), "memory": memory, "force": force}
-        r, v, memory, force = ends.restored(like, growing=("force",)).values()
+        like = integrate(method.scheme, force, r, v, dt, 0).state
+        state = ends.restored(like, growing=("force",))
 
     with timed(cost):
         done = integrate(
@@ -67,10 +66,10 @@ def integrated(
             trajectory=trajectory,
             last=last,
             thermo=thermo,
-            memory=memory,
+            state=state,
         )
     if ends is not None and not done.diverged:
-        ends.leave({"r": done.r, "v": done.v, "memory": done.memory, "force": done.force})
+        ends.leave(done.state)
     cost.steps, cost.evaluations = done.steps, done.evaluations
     return done, cost
 

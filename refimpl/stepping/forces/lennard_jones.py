@@ -49,6 +49,7 @@ from refimpl.stepping.kernels.neighbours import (
     neighbours,
     update,
 )
+from refimpl.stepping.kernels.sums import sum_of_squares
 
 TRUNCATIONS = ("truncated", "shifted", "force_shifted")
 
@@ -434,8 +435,8 @@ def _kinetic(v: np.ndarray, mass: float | None, masses: np.ndarray | None) -> fl
             energy += 0.5 * masses[i // dimension] * v[i] ** 2
         return energy
     if mass is not None:
-        return 0.5 * mass * np.sum(v * v)
-    return 0.5 * np.sum(v * v)
+        return 0.5 * mass * sum_of_squares(v)
+    return 0.5 * sum_of_squares(v)
 
 
 @implements(kinetic_energy, LennardJones)
