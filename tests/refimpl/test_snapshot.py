@@ -65,7 +65,7 @@ def test_what_grows_is_made_anew() -> None:
 
 
 def test_a_snapshot_holds_numbers_and_texts_only() -> None:
-    with pytest.raises(TypeError, match="sim.function is a builtin_function_or_method"):
+    with pytest.raises(TypeError, match=r"sim\.function is a builtin_function_or_method"):
         snapshot({"sim": {"function": len}})
 
 

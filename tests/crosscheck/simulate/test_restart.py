@@ -31,10 +31,8 @@ from crosscheck.scene import (
     Occupations,
     Oscillation,
     Output,
-    RandomPhase,
     Scene,
     Spring,
-    Well,
     explicit,
 )
 from crosscheck.simulate.run import simulate
@@ -53,21 +51,20 @@ def oscillators(scheme: str) -> tuple[Scene, Method]:
     ), Method(scheme=scheme, dt=1 / 64)
 
 
-def fluid(scheme: str = "velocity_verlet", **changes: Any) -> tuple[Scene, Method]:
+def fluid(**changes: Any) -> tuple[Scene, Method]:
     entries: dict[str, Any] = {
         "name": "fluid",
         "dimension": 3,
         "duration": 1.0,
-        "masses": 2.5,
         "lennard_jones": LennardJones(cutoff=2.5, truncation="shifted"),
         "box": Box(lengths=(6.0,) * 3),
         "initial": Lattice(kind="lattice", structure="fcc", number=108, temperature=1.0, seed=7),
         "output": Output(interval=0.125, observables=(*ENERGIES, "virial"), trajectory=True, forces=True),
     }
-    return Scene(**(entries | changes)), Method(scheme=scheme, dt=1 / 256)
+    return Scene(**(entries | changes)), Method(scheme="velocity_verlet", dt=1 / 256)
 
 
-def disks(scheme: str, **changes: Any) -> tuple[Scene, Method]:
+def disks(scheme: str = "event_driven", **changes: Any) -> tuple[Scene, Method]:
     entries: dict[str, Any] = {
         "name": "disks",
         "dimension": 2,
@@ -82,36 +79,11 @@ def disks(scheme: str, **changes: Any) -> tuple[Scene, Method]:
 
 ROUGH = GrainFriction(tangential_restitution=0.2, static=0.5, sliding=0.5)
 FLOOR = Face(oscillation=Oscillation(amplitude=0.2, frequency=5.0, phase=0.3))
-TALLIES = ("collisions", "wall_impulse", "kinetic_energy_integral", "dissipated_energy")
-
-
-def driven(scheme: str) -> tuple[Scene, Method]:
-    """Rough grains with wells between an oscillating floor, a thermal lid and walls of random phase, in a field."""
-    naive = scheme == "event_driven_naive"
-    return disks(
-        scheme,
-        hard_spheres=HardSpheres(
-            restitution=0.9, friction=ROUGH, contact_duration=1e-3, well=Well(depth=0.1, range=1.2)
-        ),
-        acceleration=(0.0, -0.5),
-        box=Box(
-            lengths=(8.0, 8.0),
-            boundaries=("hard", "hard"),
-            faces={"y-": FLOOR, "y+": Face(temperature=2.0), "x-": Face(random_phase=RandomPhase(speed=1.0))},
-        ),
-        output=Output(
-            interval=0.5,
-            observables=("kinetic_energy", "rotational_energy", *(() if naive else TALLIES)),
-            trajectory=True,
-            fields=None if naive else (2, 2),
-        ),
-    )
 
 
 def soft(**changes: Any) -> tuple[Scene, Method]:
     floor = FLOOR.model_copy(update={"friction": Friction(tangential_restitution=0.0, static=0.4, sliding=0.4)})
     scene, _ = disks(
-        "",
         hard_spheres=HardSpheres(restitution=0.9, friction=ROUGH),
         acceleration=(0.0, -1.0),
         box=Box(lengths=(8.0, 8.0), boundaries=("periodic", "hard"), faces={"y-": floor}),
@@ -141,17 +113,12 @@ def gas(scheme: str, **more: Any) -> tuple[Scene, Method]:
     ), Method(scheme=scheme)
 
 
+#: Events of every kind, and each scheduler, are in tests/refimpl/events; here is one scene for each way to run.
 SCENES = {
-    **{scheme: oscillators(scheme) for scheme in ("verlet", "leapfrog", "beeman", "euler_pc", "gear5")},
+    **{scheme: oscillators(scheme) for scheme in ("verlet", "beeman", "gear5")},
     "fluid": fluid(),
-    "fluid beeman": fluid("beeman"),
-    "disks": disks("event_driven"),
-    "disks counted": disks(
-        "event_driven", duration=1e3, output=Output(collisions=(20, 40, 60, 80), observables=("kinetic_energy",))
-    ),
-    "disks in lists": disks("event_driven_lists"),
-    "driven": driven("event_driven_calendar"),
-    "driven naive": driven("event_driven_naive"),
+    "disks": disks(),
+    "disks counted": disks(duration=1e3, output=Output(collisions=(20, 40, 60, 80), observables=("kinetic_energy",))),
     "soft": soft(),
     **{scheme: gas(scheme) for scheme in ("lattice_planes", "lattice_lookup", "lattice_numpy", "lattice_boltzmann")},
 }
@@ -188,18 +155,18 @@ def test_a_run_goes_on_with_the_same_bits(name: str) -> None:
         np.testing.assert_array_equal(found, expected[middle:] if row.axes[0] == "sample" else expected)
 
 
-@pytest.mark.parametrize("scheme", ["lattice_numpy"])
-def test_reversals_count_from_where_the_run_goes_on(scheme: str) -> None:
-    scene, method = gas(scheme)
+def test_reversals_count_from_where_the_run_goes_on() -> None:
+    scene, method = gas("lattice_numpy")
+    assert scene.lattice_gas is not None
     still = scene.lattice_gas.model_copy(update={"obstacles": (), "force": None, "model": "hpp"})
     output = scene.output.model_copy(update={"observables": ("sites",)})
     engine = load_engine("refimpl")
     assert isinstance(engine, Restartable)
     plain = scene.changed(lattice_gas=still, output=output, duration=20.0)
-    back = plain.changed(lattice_gas=still.model_copy(update={"reversals": (0,)}))
+    back = plain.changed(lattice_gas=still.model_copy(update={"reversals": (5,)}))
     _, state = engine.run_from(plain, method, None)
     returned, _ = engine.run_from(back, method, state)
-    twice = plain.changed(lattice_gas=still.model_copy(update={"reversals": (20,)}), duration=40.0)
+    twice = plain.changed(lattice_gas=still.model_copy(update={"reversals": (25,)}), duration=40.0)
     np.testing.assert_array_equal(returned["sites"], engine.run(twice, method)["sites"])
 
 
@@ -303,7 +270,7 @@ def test_damaged_restart_files_are_one_line(tmp_path: Path, kept: tuple[Path, Pa
     whole, empty = restart.read_bytes(), io.BytesIO()
     np.savez(empty, r=np.zeros(4))
     flipped = bytearray(whole)
-    flipped[whole.index(b"r.npy") + 200] ^= 1
+    flipped[whole.index(b"r.npy") + 140] ^= 1
     for number, data in enumerate((whole[:-30], whole[: len(whole) // 2], b"", b"text", empty.getvalue(), flipped)):
         bad = tmp_path / f"{number}.npz"
         bad.write_bytes(data)
