@@ -159,6 +159,10 @@ def simulate(
     engine: Engines = None,
     out: Out = Path("crosscheck-out"),
     time_limit: TimeLimit = TIME_LIMIT,
+    restart: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Go on from this file, restart-<engine>.npz of an earlier run of the scene."),
+    ] = None,
 ) -> None:
     """Run a scene; print a summary, and write all that it records, and a picture, of several engines side by side.
 
@@ -166,7 +170,7 @@ def simulate(
     """
     from crosscheck import commands
 
-    raise typer.Exit(interruptible(lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit)))
+    raise typer.Exit(interruptible(lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit, restart)))
 
 
 @app.command()

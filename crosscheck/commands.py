@@ -414,19 +414,22 @@ def _say_if_torn(directory: Path) -> None:
         print(f"crosscheck: {directory / FILE}: its last line is incomplete, and does not count", file=sys.stderr)
 
 
-def simulate(scene: Path, engine_list: list[str], out: Path, time_limit: float = TIME_LIMIT) -> int:
+def simulate(
+    scene: Path, engine_list: list[str], out: Path, time_limit: float = TIME_LIMIT, restart: Path | None = None
+) -> int:
     """Runs a scene, prints how the runs went and the paths of the files written; returns the exit status.
 
     scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
-    files. time_limit: seconds that one call of an engine may take. The status is 1 if a run diverged, stopped before
-    its end, or failed, else 0. UsageError: see `crosscheck.simulate.run.simulate`, and if another run is writing there.
+    files. time_limit: seconds that one call of an engine may take. restart: a restart file to go on from; None: none.
+    The status is 1 if a run diverged, stopped before its end, or failed, else 0. UsageError: see
+    `crosscheck.simulate.run.simulate`, and if another run is writing there.
     """
     from crosscheck.simulate.run import simulate as simulate_scene
     from crosscheck.simulate.summary import LEVELS
 
     refuse_no_directory(out, "the files")
     with locked(out), naming(out):
-        done = simulate_scene(scene, engine_list, out, time_limit)
+        done = simulate_scene(scene, engine_list, out, time_limit, restart)
     console = _console()
     table = Table(box=None, pad_edge=False)
     for title in ("engine", "method"):

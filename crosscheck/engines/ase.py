@@ -2,12 +2,14 @@
 
 Literature: A. H. Larsen et al., J. Phys.: Condens. Matter 29, 273002 (2017).
 
-ASE's own units (eV, angstrom, u, and the time that follows from them) are consistent: the scene's numbers go in
-unconverted, and its time step is ASE's.
+ASE's own units (eV, angstrom, u, and the time that follows from them) are consistent: the scene's numbers go in as they
+are, but for lengths in a power of two of the scene's unit (see `_scale`): that rounds nothing.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,10 +17,8 @@ import numpy as np
 from crosscheck.engines.capabilities import capability
 from crosscheck.engines.progress import report
 from crosscheck.engines.protocol import Claims, Cost, Run, sample_times, strides, timed
-from crosscheck.scene import LennardJones, Method, Scene, State
-
-#: `ase.neighborlist.NeighborList` adds this number to every cutoff, whatever the scene's unit of length.
-_SKIN = 0.3
+from crosscheck.errors import UsageError
+from crosscheck.scene import Floats, LennardJones, Method, Scene, State
 
 
 class AseEngine:
@@ -45,38 +45,43 @@ class AseEngine:
         return str(ase.__version__)
 
     def supports(self, scene: Scene, method: Method) -> str | None:
-        lj = scene.lennard_jones
-        if lj is not None and lj.cutoff < _SKIN:
-            return f"its neighbour list adds a fixed {_SKIN} to the cutoff: choose a smaller unit of length"
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
+        return self.run_from(scene, method, None)[0]
+
+    def run_from(
+        self, scene: Scene, method: Method, start: Mapping[str, Floats] | None
+    ) -> tuple[Run, dict[str, Floats] | None]:
         from ase.md.verlet import VelocityVerlet
 
         lj = scene.lennard_jones
         assert lj is not None
         state = scene.initial_state()
-        atoms = _atoms(scene, state, lj)
+        unit = _scale(lj)
+        atoms = _atoms(scene, state, lj, unit)
+        if start is not None:
+            _resume(atoms, start)
         dynamics = VelocityVerlet(atoms, timestep=method.step)
         steps, every = strides(scene, method)
         times = sample_times(scene, method)
         shape = (times.size, scene.number, scene.dimension)
         output = scene.output
 
-        run = Run(time=times, final_positions=state.positions, final_velocities=state.velocities, cost=Cost())
+        run = Run(time=times, cost=Cost())
         for name in output.observables:
             run[name] = np.full(times.size, np.nan)
         if output.trajectory:
             run["positions"], run["velocities"] = np.full(shape, np.nan), np.full(shape, np.nan)
 
         atoms.get_forces()
-        _record(run, 0, atoms, lj)
+        _record(run, 0, atoms, lj, unit)
         with timed(run.cost):
             for sample in range(1, times.size):
                 if not _advance(dynamics, every):
                     run.diverged = True
                     break
-                _record(run, sample, atoms, lj)
+                _record(run, sample, atoms, lj, unit)
                 report(sample * every / steps)
             if not run.diverged:
                 run.diverged = not _advance(dynamics, steps % every)
@@ -84,15 +89,48 @@ class AseEngine:
 
         nan_state = np.full(shape[1:], np.nan)
         d = scene.dimension
-        run["final_positions"] = nan_state if run.diverged else atoms.get_positions()[:, :d]
-        run["final_velocities"] = nan_state if run.diverged else atoms.get_velocities()[:, :d]
+        run["final_positions"] = nan_state if run.diverged else atoms.get_positions()[:, :d] / unit
+        run["final_velocities"] = nan_state if run.diverged else atoms.get_velocities()[:, :d] / unit
         if output.forces:
-            run["forces"] = nan_state if run.diverged else atoms.get_forces()[:, :d]
-        return run
+            run["forces"] = nan_state if run.diverged else atoms.get_forces()[:, :d] / unit
+        return run, None if run.diverged else _state(atoms)
 
 
-def _atoms(scene: Scene, state: State, lj: LennardJones) -> Any:
-    """The scene as an `Atoms` object in three dimensions; axes that the scene does not have are open, at 0."""
+def _scale(lj: LennardJones) -> float:
+    """Lengths for ASE over those of the scene: a power of two that brings the cutoff to between 2 and 4.
+
+    `ase.neighborlist.NeighborList` adds 0.3 to every cutoff, whatever the unit of length: nearly all pairs of a scene
+    in SI units. Energies are then in units of the scale squared; time and mass are the scene's.
+    """
+    return math.ldexp(1.0, 2 - math.frexp(lj.cutoff)[1])
+
+
+def _state(atoms: Any) -> dict[str, Floats]:
+    """All that decides what follows: the order of summation is that of the list, hence where it was made."""
+    return {
+        "positions": atoms.get_positions(),
+        "momenta": atoms.get_momenta(),
+        "list": np.array(atoms.calc.nl.nl.coordinates),
+    }
+
+
+def _resume(atoms: Any, start: Mapping[str, Floats]) -> None:
+    """Brings the atoms to a state of `_state`, and the neighbour list to what it was then."""
+    for name in ("list", "positions", "momenta"):
+        found = start.get(name)
+        if found is None or found.shape != (len(atoms), 3) or found.dtype != np.float64:
+            raise UsageError(f"the restart file does not fit: array {name} of shape ({len(atoms)}, 3) is missing")
+    atoms.set_positions(start["list"])
+    atoms.get_forces()
+    atoms.set_positions(start["positions"])
+    atoms.set_momenta(start["momenta"])
+
+
+def _atoms(scene: Scene, state: State, lj: LennardJones, unit: float) -> Any:
+    """The scene as an `Atoms` object in three dimensions; axes that the scene does not have are open, at 0.
+
+    unit: see `_scale`.
+    """
     from ase import Atoms
     from ase.calculators.lj import LennardJones as Calculator
 
@@ -103,16 +141,16 @@ def _atoms(scene: Scene, state: State, lj: LennardJones) -> Any:
     for axis, is_periodic in enumerate(periodic):
         if is_periodic:
             assert state.lengths is not None
-            cell[axis] = float(state.lengths[axis])
+            cell[axis] = float(state.lengths[axis]) * unit
     atoms = Atoms(
         numbers=np.zeros(scene.number, dtype=int),
-        positions=np.pad(state.positions, ((0, 0), (0, missing))),
+        positions=np.pad(state.positions * unit, ((0, 0), (0, missing))),
         masses=state.masses,
         cell=cell,
         pbc=periodic,
-        calculator=Calculator(epsilon=_one(lj.epsilon), sigma=_sigma(lj), rc=lj.cutoff),
+        calculator=Calculator(epsilon=_one(lj.epsilon) * unit**2, sigma=_sigma(lj) * unit, rc=lj.cutoff * unit),
     )
-    atoms.set_velocities(np.pad(state.velocities, ((0, 0), (0, missing))))
+    atoms.set_velocities(np.pad(state.velocities * unit, ((0, 0), (0, missing))))
     return atoms
 
 
@@ -137,27 +175,27 @@ def _advance(dynamics: Any, steps: int) -> bool:
     return bool(np.isfinite(dynamics.atoms.positions).all() and np.isfinite(dynamics.atoms.get_momenta()).all())
 
 
-def _record(run: Run, sample: int, atoms: Any, lj: LennardJones) -> None:
-    """Writes the present state into the arrays of the run, at this sample."""
+def _record(run: Run, sample: int, atoms: Any, lj: LennardJones, unit: float) -> None:
+    """Writes the present state into the arrays of the run, at this sample. unit: see `_scale`."""
     if "positions" in run and "velocities" in run:
         d = run["positions"].shape[2]
-        run["positions"][sample] = atoms.get_positions()[:, :d]
-        run["velocities"][sample] = atoms.get_velocities()[:, :d]
+        run["positions"][sample] = atoms.get_positions()[:, :d] / unit
+        run["velocities"][sample] = atoms.get_velocities()[:, :d] / unit
     if "kinetic_energy" in run:
-        run["kinetic_energy"][sample] = atoms.get_kinetic_energy()
+        run["kinetic_energy"][sample] = atoms.get_kinetic_energy() / unit**2
     if "potential_energy" in run:
-        run["potential_energy"][sample] = atoms.get_potential_energy() + _unshift(atoms, lj)
+        run["potential_energy"][sample] = atoms.get_potential_energy() / unit**2 + _unshift(atoms, lj, unit)
     if "virial" in run:
         # the stress is sum phi'(r) r r/V, hence W = -V tr(stress)
-        run["virial"][sample] = -atoms.get_volume() * np.sum(atoms.get_stress()[:3])
+        run["virial"][sample] = -atoms.get_volume() * np.sum(atoms.get_stress()[:3]) / unit**2
 
 
-def _unshift(atoms: Any, lj: LennardJones) -> float:
+def _unshift(atoms: Any, lj: LennardJones, unit: float) -> float:
     """Difference of plain truncation from ASE's energy, which is shifted: phi(cutoff) per pair within the cutoff."""
     from ase.neighborlist import neighbor_list
 
     if lj.truncation == "shifted":
         return 0.0
-    pairs = len(neighbor_list("i", atoms, lj.cutoff)) // 2
+    pairs = len(neighbor_list("i", atoms, lj.cutoff * unit)) // 2
     s6 = (_sigma(lj) / lj.cutoff) ** 6
     return pairs * 4.0 * _one(lj.epsilon) * (s6 * s6 - s6)

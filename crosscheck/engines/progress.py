@@ -66,11 +66,11 @@ def read(file: Path) -> tuple[str, float | None]:
 class Pace:
     """Cuts a run into pieces, after each of which it reports how much is done.
 
-    whole: the end of the run, in the unit in which `more` is told how far it is.
+    end, begin: of the run, in the unit in which `more` is told how far it is.
     """
 
-    def __init__(self, whole: float) -> None:
-        self._whole = whole
+    def __init__(self, end: float, begin: float = 0.0) -> None:
+        self._begin, self._whole = begin, end - begin
         self._size = 1
         self._since = time.monotonic()
 
@@ -87,5 +87,5 @@ class Pace:
             self._size = min(2 * self._size, _ALL)
         elif took > _LONG:
             self._size = max(1, self._size // 2)
-        report(min(1.0, done / self._whole) if self._whole > 0 else 1.0)
+        report(min(1.0, (done - self._begin) / self._whole) if self._whole > 0 else 1.0)
         return self._size

@@ -133,6 +133,24 @@ class Engine(Protocol):
         """
 
 
+@runtime_checkable
+class Restartable(Engine, Protocol):
+    """An engine that can go on from where one of its runs ended: with the same bits as a run without a break."""
+
+    def run_from(
+        self, scene: Scene, method: Method, start: Mapping[str, Floats] | None
+    ) -> tuple[Run, dict[str, Floats] | None]:
+        """As `run`, but from the state `start`; with the run, the state at its end.
+
+        scene, method: as for `run`. Of a run that goes on, `scene.initial` is that of the very first one; times, and
+        observables that add up, count from where it goes on. start: arrays by name, the state that an earlier call
+        returned for the same scene but for name, duration and output, with the same method; None: the run begins at
+        `scene.initial`. UsageError if they do not fit. The state: all that decides what follows, such as lists,
+        histories, clocks and counters of random numbers; None if the run has stopped or diverged, or such a scene
+        cannot go on with the same bits.
+        """
+
+
 @contextmanager
 def timed(cost: Cost) -> Iterator[None]:
     """Adds wall and CPU time, s, of the `with` block to `cost`, and sets its peak memory to that of the process."""

@@ -477,10 +477,12 @@ class Kepler(Part):
 
 
 class File(Part):
-    """A configuration file: .npz, or any format that ASE reads.
+    """A configuration file: .npz, .xyz, .extxyz, a LAMMPS dump in text, or an ASE .traj; the last frame of several.
 
-    An .npz holds `positions` (N, d); optional are `velocities` (N, d) and `angular_velocities` (N, 1 in the plane, 3 in
-    space).
+    Its numbers are taken as they stand, in the scene's units. Masses and species that the scene leaves out come from
+    the file; box, masses, species and diameters that both state must agree. An .npz holds `positions` (N, d); optional
+    are `velocities` (N, d), `angular_velocities` (N, 1 in the plane, 3 in space), `masses`, `species`, `diameters` (N,)
+    and `lengths` (d,).
     """
 
     kind: Literal["file"]

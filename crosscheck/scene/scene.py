@@ -15,6 +15,7 @@ from pydantic import ValidationError, model_validator
 
 from crosscheck.errors import UsageError
 from crosscheck.files import shown_path, unreadable
+from crosscheck.scene.configuration import check_against, entries_from, read_configuration
 from crosscheck.scene.hard_spheres import check_hard_spheres, check_hard_state, refuse_hard_spheres_entries
 from crosscheck.scene.lattice_gas import check_lattice_gas, initial_occupations, initial_sites, wall_rules
 from crosscheck.scene.messages import explain
@@ -40,7 +41,6 @@ from crosscheck.scene.starts import (
     lattice_sites,
     lattice_sites_inside,
     random_velocities,
-    read_configuration,
     refuse_coincidence,
     refuse_not_finite,
 )
@@ -135,10 +135,12 @@ class Scene(SceneEntries):
             reason = unreadable(place)
             if reason:
                 raise UsageError(f"initial.path = {shown_path(place)}: cannot be read as a configuration ({reason})")
+            found = read_configuration(place)
             try:
-                scene = scene.changed(initial=read_configuration(place, scene.dimension))
+                scene = scene.changed(**entries_from(found, scene, place))
             except ValidationError as error:
                 raise UsageError(explain(error, f"initial.path = {shown_path(place)}", cls)) from None
+            check_against(found, scene, place, lengths=scene.lengths(), diameters=scene.diameters())
         return scene
 
     def to_json(self) -> str:

@@ -1,9 +1,8 @@
-"""Initial states: lattices, Kepler orbits, random velocities, configuration files."""
+"""Initial states: lattices, Kepler orbits, random velocities."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -185,37 +184,6 @@ def apocentre(initial: Kepler, masses: Floats, gravity: Gravity | None, dimensio
     r[:, 0] = share * a * (1 + e)
     v[:, 1] = share * np.sqrt(gravity.G * total * (1 - e) / (a * (1 + e)))
     return r, v
-
-
-def read_configuration(path: Path, dimension: int) -> Explicit:
-    """The configuration in a file.
-
-    path: an .npz file, or a file of any format that ASE reads. dimension: so many components are taken of every vector.
-    UsageError if the file cannot be read, or holds values that are not finite.
-    """
-    spins = None
-    try:
-        if path.suffix == ".npz":
-            with np.load(path) as arrays:
-                positions = np.asarray(arrays["positions"], dtype=np.float64)
-                velocities = np.asarray(arrays.get("velocities", np.zeros_like(positions)), dtype=np.float64)
-                if "angular_velocities" in arrays:
-                    spins = np.asarray(arrays["angular_velocities"], dtype=np.float64)
-        else:
-            import ase.io
-
-            atoms = ase.io.read(path)
-            assert not isinstance(atoms, list)
-            positions, velocities = atoms.get_positions(), atoms.get_velocities()
-        positions, velocities = positions[:, :dimension], velocities[:, :dimension]
-    except Exception as error:
-        raise UsageError(f"initial.path = {path}: cannot be read as a configuration ({error})") from None
-    for name, vectors in (("positions", positions), ("velocities", velocities), ("angular_velocities", spins)):
-        if vectors is not None and not np.isfinite(vectors).all():
-            raise UsageError(f"initial.path = {path}: {name} holds values that are not finite")
-    if spins is not None and spins.ndim != 2:
-        raise UsageError(f"initial.path = {path}: angular_velocities needs two dimensions, found {spins.ndim}")
-    return explicit(positions, velocities, spins)
 
 
 def explicit(positions: Floats, velocities: Floats, angular_velocities: Floats | None = None) -> Explicit:

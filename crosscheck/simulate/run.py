@@ -20,6 +20,7 @@ from crosscheck.simulate.files import file_labels, results_in
 from crosscheck.simulate.observables import Result, observables, write_observables
 from crosscheck.simulate.picture import draw_picture
 from crosscheck.simulate.progress import shown
+from crosscheck.simulate.restart import Restart, check_version, going_on, read_restart, write_restart
 from crosscheck.simulate.summary import Difference, Row, compare, distances, endings, row
 from crosscheck.simulate.trajectory import write_trajectories
 
@@ -63,26 +64,39 @@ class Simulation:
     whole: bool
 
 
-def simulate(scene: str | Path, engines: Sequence[str], out: Path, time_limit: float = TIME_LIMIT) -> Simulation:
+def simulate(
+    scene: str | Path,
+    engines: Sequence[str],
+    out: Path,
+    time_limit: float = TIME_LIMIT,
+    restart: Path | None = None,
+) -> Simulation:
     """Runs a scene on each engine with the scene's own method, and writes the results.
 
     scene: a TOML file, or the name of a shipped scene. engines: names, or path.py:Class, each once. out: the directory
     to write to, made if it is not there. <engine> in the names of files is the name, or the file and the class:
     arrays-<engine>.npz with all arrays; observables-<engine>.csv with what has a value per sample;
     particles-, fields-, blocks-, rows- and sites-<engine>.csv with what has one per particle, cell ...;
-    trajectory-<engine>.<format>; each where the scene records such a thing; picture.png and picture.svg. Files of the
-    simulation before in this directory are removed. time_limit: seconds that one call of an engine may take.
+    trajectory-<engine>.<format>; each where the scene records such a thing; restart-<engine>.npz of engines that can go
+    on from one; picture.png and picture.svg. Files of the simulation before in this directory are removed. time_limit:
+    seconds that one call of an engine may take. restart: a restart file to go on from; None: the run begins at the
+    scene's initial state.
 
-    UsageError if the scene is not valid or has no [method], if an engine is missing or cannot run the scene, and if
-    files cannot be written. EngineError if every engine failed.
+    UsageError if the scene is not valid or has no [method], if an engine is missing or cannot run the scene, if files
+    cannot be written, and if the restart file is damaged, or of another scene, method or engine. EngineError if every
+    engine failed.
     """
     loaded = load(scene)
     method = _method(loaded)
     if len(set(map(_identity, engines))) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
+    before = None if restart is None else read_restart(restart)
+    if before is not None:
+        loaded = going_on(before, loaded, method, engines)
     loaded.check_start()
     with results_in(out) as files:
-        results, kinds, failures = _run_all(loaded, method, engines, time_limit)
+        states = {engine: files.scratch / f"state-{number}.npz" for number, engine in enumerate(engines)}
+        results, kinds, failures = _run_all(loaded, method, states, before, time_limit)
         written: list[Path] = []
         remarks: list[str] = []
         for result in results:
@@ -95,6 +109,7 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path, time_limit: f
             written += paths
             remarks += [remark] if remark else []
             written += write_trajectories(files.scratch, name, loaded, result.run)
+        written += _write_restarts(files.scratch, loaded, method, states, results, before)
         compared = differences(*results) if len(results) == 2 else {}
         try:
             written += draw_picture(files.scratch, loaded, method, results, compared)
@@ -110,6 +125,32 @@ def simulate(scene: str | Path, engines: Sequence[str], out: Path, time_limit: f
         remarks=remarks,
         whole=not failures and not any(result.run.diverged or result.run.stopped for result in results),
     )
+
+
+def _write_restarts(
+    directory: Path,
+    scene: Scene,
+    method: Method,
+    states: dict[str, Path],
+    results: Sequence[Result],
+    before: Restart | None,
+) -> list[Path]:
+    """Writes a restart file for each engine that has left its state at the end; their paths.
+
+    states: by engine, the file with it, if it is there. before: the restart file that the runs have gone on from.
+    """
+    written = []
+    labels = file_labels(tuple(states))
+    of_label = {result.engine: result for result in results}
+    for engine, state in states.items():
+        result = of_label.get(labels[engine])
+        if result is None or not state.exists():
+            continue
+        span = scene.duration if scene.output.collisions is None else float(result.run["time"][-1])
+        written.append(directory / f"restart-{result.engine}.npz")
+        end = span if before is None else before.time + span
+        write_restart(written[-1], state, scene, method, (engine, result.version), end)
+    return written
 
 
 def _identity(engine: str) -> str:
@@ -130,25 +171,30 @@ def _method(scene: Scene) -> Method:
 
 
 def _run_all(
-    scene: Scene, method: Method, engines: Sequence[str], time_limit: float
+    scene: Scene, method: Method, states: dict[str, Path], before: Restart | None, time_limit: float
 ) -> tuple[list[Result], dict[str, str], list[str]]:
     """The runs, the kind of scheme of each by its label, and the messages of engines that failed.
 
-    All engines are asked whether they can run the scene before the first one does. EngineError if all failed.
+    All engines are asked whether they can run the scene before the first one does. states: the file for the state at
+    the end, by engine. before: the restart file that the runs go on from; None: none. EngineError if all failed.
     """
+    engines = tuple(states)
     labels = file_labels(engines)
     versions: dict[str, str] = {}
     results: list[Result] = []
     failures: list[str] = []
+    restart = None if before is None else before.path.absolute()
     pool = Pool(time_limit=time_limit)
     try:
         for engine in engines:
             with shown(labels[engine]):
                 versions[engine] = _version(scene, method, engine, pool)
+            if before is not None:
+                check_version(before, versions[engine])
         for engine in engines:
             try:
                 with shown(labels[engine]) as progress:
-                    run = pool.worker(engine).run(scene, method, progress)
+                    run = pool.worker(engine).run(scene, method, progress, restart, states[engine])
             except EngineError as error:
                 failures.append(str(error))
                 continue

@@ -110,30 +110,45 @@ def in_space(vectors: Floats) -> Floats:
 
 
 def write_extxyz(path: Path, trajectory: Trajectory) -> None:
-    """Writes a trajectory to `path` as extended XYZ, which ASE and OVITO read: eight decimals, positions not wrapped.
+    """Writes a trajectory to `path` as extended XYZ, which ASE and OVITO read; positions are not wrapped.
+
+    Every number is the shortest decimal that reads back to the same bits: ASE's own writer keeps eight decimals.
 
     trajectory: what to write. Species 0, 1, ... are named H, He, ...; without species the particles are called X.
     Velocities are also written as momenta, which is what ASE reads.
     """
-    import ase
-    import ase.io
-
     number = len(trajectory.masses)
-    kinds = np.zeros(number, dtype=int) if trajectory.species is None else trajectory.species + 1
-    frames = []
-    for sample, time in enumerate(trajectory.time):
-        positions = trajectory.positions[sample]
-        atoms = ase.Atoms(
-            kinds, positions=positions, cell=trajectory.cell, pbc=trajectory.periodic, info={"time": float(time)}
-        )
-        atoms.set_masses(trajectory.masses)
-        for name, values in trajectory.more.items():
-            now = values if values.ndim == 1 else values[sample]
-            if name == "velocities":
-                atoms.set_velocities(now)
-            atoms.new_array(name, now)
-        frames.append(atoms)
-    ase.io.write(path, frames, format="extxyz")
+    names = _symbols(trajectory)
+    lattice = ""
+    if trajectory.cell.any():
+        lattice = f'Lattice="{" ".join(_decimals(np.diag(trajectory.cell).ravel()))}" '
+    around = " ".join("T" if one else "F" for one in trajectory.periodic)
+    with path.open("w", encoding="utf-8") as file:
+        for sample, time in enumerate(trajectory.time):
+            columns = {"pos": trajectory.positions[sample], "masses": trajectory.masses}
+            for name, values in trajectory.more.items():
+                now = values if values.ndim == 1 else values[sample]
+                if name == "velocities":
+                    columns["momenta"] = now * trajectory.masses[:, None]
+                columns[name] = now
+            table = np.column_stack([values.reshape(number, -1) for values in columns.values()])
+            widths = [f"{name}:R:{values.size // number}" for name, values in columns.items()]
+            properties = ":".join(["species:S:1", *widths])
+            file.write(f'{number}\n{lattice}Properties={properties} time={float(time)!r} pbc="{around}"\n')
+            file.writelines(f"{name} {' '.join(_decimals(row))}\n" for name, row in zip(names, table, strict=True))
+
+
+def _decimals(values: Floats) -> list[str]:
+    """The shortest decimals that read back to the same doubles."""
+    return list(map(repr, values.tolist()))
+
+
+def _symbols(trajectory: Trajectory) -> list[str]:
+    from ase.data import chemical_symbols
+
+    if trajectory.species is None:
+        return ["X"] * len(trajectory.masses)
+    return [chemical_symbols[one + 1] for one in trajectory.species]
 
 
 #: Every format in which `simulate` writes a trajectory.

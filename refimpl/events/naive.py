@@ -14,6 +14,7 @@ Literature: B. J. Alder and T. E. Wainwright, J. Chem. Phys. 31, 459 (1959).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -56,6 +57,7 @@ from refimpl.events.state import (
     time_to_cross,
     two_sum,
 )
+from refimpl.snapshot import Arrays, restore, snapshot
 
 #: Column of `rows`: the time of the particle's last collision.
 _LAST = 6
@@ -142,6 +144,26 @@ class Naive:
         for one, other in seen:
             if not is_fixed(self.model.inverse_masses, one):
                 times[one], partners[one] = self.time, other
+
+    def snapshot(self) -> Arrays:
+        """The complete state as arrays by name, without the trace: `resume` goes on from it with the same bits."""
+        return snapshot(self._state())
+
+    def resume(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Goes on from where another run of the same model was; the trace begins anew.
+
+        arrays: of its `snapshot`. Raises ValueError that names an array which does not fit.
+        """
+        state = restore(self._state(), arrays)
+        self._clock, self.collisions = state["clock"], state["collisions"]
+        self.simultaneous = state["simultaneous"]
+
+    def _state(self) -> dict[str, Any]:
+        return {
+            "clock": self._clock, "collisions": self.collisions, "rows": self._rows, "turns": self._turns,
+            "hits": self._hits, "spins": self._spins, "bonds": self._bonds, "latest": self._latest,
+            "simultaneous": self.simultaneous,
+        }  # fmt: skip
 
     def state(self) -> State:
         """The state of all particles now."""

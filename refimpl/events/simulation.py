@@ -11,6 +11,7 @@ rounding then is that of positions, for any time and any number of particles.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, Literal
 
@@ -37,6 +38,7 @@ from refimpl.events.state import (
     two_sum,
     well_energy,
 )
+from refimpl.snapshot import Arrays, restore, snapshot
 
 Scheduler = Literal["tree", "lists", "calendar"]
 
@@ -48,6 +50,12 @@ _FULL_TURN = Fraction("6.28318530717958647692528676655900576839433879875021")
 EXPECTED_WAIT = 0.25
 #: Share of the width of a cell beyond the contact range that is given to its overlap with its neighbours.
 OVERLAP = 0.999
+#: Attributes of a `Simulation` that are no part of its state: what it was made from, and measurements.
+_APART = (
+    "model", "dimension", "number", "_grid", "_counting", "_trace", "_traced", "_tallies", "_fields", "_initial",
+)  # fmt: skip
+#: What of its state may be larger than at the start.
+_GROWING = ("particles.cells", "particles.bonds", "scratch", "store")
 
 
 class Simulation:
@@ -282,6 +290,40 @@ class Simulation:
             times.append(math.sqrt(size / math.hypot(*self.model.acceleration)))
         # not below the rounding of the clock, in boxes of more than 1e5 diameters
         return max(2.0**-33 * min(times, default=0.0), SIMULTANEOUS * self._crossing if self._crossing < NEVER else 0.0)
+
+    # -- going on later ----------------------------------------------------------------------------
+
+    def snapshot(self) -> Arrays:
+        """The complete state as arrays by name: `resume` goes on from it with the same bits. No measurements."""
+        return snapshot(self._state())
+
+    def resume(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Goes on from where another simulation of the same model, scheduler and fields was; measurements begin anew.
+
+        arrays: of its `snapshot`. Raises ValueError that names an array which does not fit.
+        """
+        state = restore(self._state(), arrays, _GROWING)
+        del state["walls"]  # filled in place
+        for name, value in state.items():
+            setattr(self, name if name in vars(self) else f"_{name}", value)
+        if self._counting is not None:
+            self._counting[:] = 0
+        if self._tallies is not None:
+            self._tallies.sums[:] = 0.0
+            self._tallies.sums[measure.SINCE] = self._now
+            self._tallies.walls[:] = 0.0
+        if self._fields is not None:
+            for sums in self._fields:
+                if isinstance(sums, np.ndarray) and sums is not self._particles.ints:
+                    sums[:] = 0.0
+            self._fields.since[:] = self._now
+            self._initial = self._cell_contents()
+        self._anchor_tallies()
+
+    def _state(self) -> dict[str, Any]:
+        state = {name.removeprefix("_"): value for name, value in vars(self).items() if name not in _APART}
+        # the phases of walls are those at the base of the clock
+        return state | {"walls": None if self.model.walls is None else self.model.walls.numbers}
 
     # -- the start ---------------------------------------------------------------------------------
 

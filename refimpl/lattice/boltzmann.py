@@ -42,7 +42,7 @@ class BoltzmannLattice:
         self, model: Model, f: ArrayLike, walls: ArrayLike | None = None, forcing: Forcing | None = None
     ) -> None:
         self.model = model
-        self.f = np.array(f, dtype=np.float64)
+        self.f = np.array(f, dtype=np.float64, order="C")  # the order of sums over it
         self.time = 0
         velocities = model.velocities
         if self.f.ndim != 3 or self.f.shape[2] != model.channels:

@@ -8,7 +8,8 @@ two times the side, between half of the coordinate and all of it, so that subtra
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,9 +25,9 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     energy_and_virial,
     enlarge,
-    forget,
     kinetic_energy,
     periods,
+    renew,
     status,
 )
 from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
@@ -57,6 +58,8 @@ def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # t
     r, v, memory = state
     positions, velocities = frames
     for number in range(first + 1, last + 1):
+        if number % every == 0 and len(positions) > 0:
+            renew(force)
         r_new, v_new, memory_new = step(scheme, force, r, v, memory, dt)
         outcome = status(force)
         if outcome != GOOD:
@@ -144,7 +147,8 @@ class Integration:
     r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a state that is not
     finite, or in which the force found a particle lost.
     positions, velocities: (samples, N*d), or fewer coordinates if asked so, or None. thermo: (samples, 3), columns K,
-    U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended.
+    U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended. state: all that
+    decides how it would go on, with the memory of the scheme.
     """
 
     r: np.ndarray
@@ -156,6 +160,7 @@ class Integration:
     thermo: np.ndarray | None
     evaluations: int
     force: Force
+    state: dict[str, Any]
 
 
 def compile_steps(scheme: str, force: Force, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
@@ -182,6 +187,7 @@ def integrate(
     last: int | None = None,
     thermo: bool = False,
     pace: Callable[[int], int] | None = None,
+    state: Mapping[str, Any] | None = None,
 ) -> Integration:
     """Takes `steps` steps of length `dt` with a scheme of `SCHEMES`.
 
@@ -189,6 +195,7 @@ def integrate(
     left untouched. every: steps between samples (default: one, at the end). trajectory: record r and v at the samples;
     last: only so many of their last coordinates. thermo: record kinetic energy, potential energy and virial there.
     pace: called with the number of steps done; returns after how many more it is called again; None: never called.
+    state: that of an earlier integration, to go on from in place of r, v and force; None: the scheme starts.
     Raises KeyError for an unknown scheme, ValueError for bad sizes.
     """
     if steps < 0 or (every is not None and every < 1):
@@ -206,10 +213,15 @@ def integrate(
     velocities = positions.copy()
     energies = np.full((samples, 3), np.nan) if thermo else None
 
-    start, away = r, _Turns(periods(force))
+    start, away, taken = r, _Turns(periods(force)), 0
+    outcome, starts = GOOD, state is None
+    if state is not None:
+        r, v, memory, force, taken = (state[name] for name in ("r", "v", "memory", "force", "taken"))
+        away.turns = state["turns"].copy()
+        start = away.true(r)
     while (excess := away.excess(r)) is not None:
         r = r - excess
-    while True:
+    while starts:
         # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
         outcome = status(force)
@@ -228,7 +240,8 @@ def integrate(
     done = 0
     while outcome != DIVERGED and done < steps:
         before = done
-        stop = min(steps, done + STRIDE) if away.possible else steps
+        # counted from the very first start: pieces of a run must be cut where the whole one is
+        stop = min(steps, done + STRIDE - (taken + done) % STRIDE) if away.possible else steps
         stop = stop if pace is None else min(stop, done + pace(done))
         (r, v, memory), done, outcome = _advance(
             record, force, (r, v, memory), dt, done, stop, every, (positions, velocities), energies
@@ -238,12 +251,14 @@ def integrate(
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
         if larger is not None:
             force, outcome = larger, GOOD
-        while (excess := away.excess(r)) is not None:
+        while (taken + done) % STRIDE == 0 and (excess := away.excess(r)) is not None:
             r = r - excess
             memory = record.moved(memory, -excess) if hasattr(record, "moved") else memory
-            forget(force)
+            renew(force)
+    end = {"r": r, "v": v, "memory": memory, "force": force, "turns": away.turns, "taken": taken + done}
     if away.turns.any():
-        forget(force)
+        force = deepcopy(force)  # the one of the state belongs to its coordinates
+        renew(force)
         r = away.true(r) if done else start
     diverged = outcome == DIVERGED or not bool(np.isfinite(r).all() and np.isfinite(v).all())
     return Integration(
@@ -254,6 +269,7 @@ def integrate(
         positions=positions if trajectory else None,
         velocities=velocities if trajectory else None,
         thermo=energies,
-        evaluations=table.start_evaluations + done * table.evaluations,
+        evaluations=starts * table.start_evaluations + done * table.evaluations,
         force=force,
+        state=end,
     )

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
+from numpy.typing import NDArray
+
 from crosscheck.engines import soft_spheres
 from crosscheck.engines.capabilities import capability
 from crosscheck.engines.protocol import Claims, Run
+from crosscheck.engines.refimpl.continuation import Continuation
 from crosscheck.scene import Method, Scene
 from crosscheck.scene.observables import named
 from refimpl.stepping.schemes import SCHEMES
@@ -144,18 +150,27 @@ class RefimplEngine:
         return None
 
     def run(self, scene: Scene, method: Method) -> Run:
+        return self._run(scene, method, None)
+
+    def run_from(
+        self, scene: Scene, method: Method, start: Mapping[str, NDArray[Any]] | None
+    ) -> tuple[Run, dict[str, NDArray[Any]] | None]:
+        ends = Continuation(start)
+        return self._run(scene, method, ends), ends.end
+
+    def _run(self, scene: Scene, method: Method, ends: Continuation | None) -> Run:
         if scene.lattice_gas is not None:
             from crosscheck.engines.refimpl.lattice import run_lattice
 
-            return run_lattice(scene, method.scheme, EVOLVERS[method.scheme])
+            return run_lattice(scene, method.scheme, EVOLVERS[method.scheme], ends)
         if scene.hard_spheres is not None and method.contact is not None:
             from crosscheck.engines.refimpl.grains import run_grains
 
-            return run_grains(scene, method)
+            return run_grains(scene, method, ends)
         if scene.hard_spheres is not None:
             from crosscheck.engines.refimpl.events import run_events
 
-            return run_events(scene, SCHEDULERS[method.scheme])
+            return run_events(scene, SCHEDULERS[method.scheme], ends)
         from crosscheck.engines.refimpl.stepping import run_steps
 
-        return run_steps(scene, method)
+        return run_steps(scene, method, ends)

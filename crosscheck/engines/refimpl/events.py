@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import typeof
@@ -14,6 +14,7 @@ from numba import typeof
 from crosscheck import scene as scenes
 from crosscheck.engines.progress import Pace, stage
 from crosscheck.engines.protocol import Run, shapes, timed
+from crosscheck.engines.refimpl.continuation import Continuation, absolute_times, misfit
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.errors import UsageError
 from crosscheck.scene import AXES, Floats, Scene, State
@@ -28,11 +29,11 @@ _OF_STATES = ("kinetic_energy", "rotational_energy", "potential_energy")
 _COUNTED = (*_OF_STATES, "collisions", "events", "operation_counts", "contact_time")
 
 
-def run_events(scene: Scene, scheduler: Any) -> Run:
+def run_events(scene: Scene, scheduler: Any, ends: Continuation | None = None) -> Run:
     """Runs a scene of hard spheres from event to event.
 
-    scene: a scene of hard spheres. scheduler: name of a queue of events, a value of `engine.SCHEDULERS`. UsageError if
-    `refimpl.events` refuses the scene.
+    scene: a scene of hard spheres. scheduler: name of a queue of events, a value of `engine.SCHEDULERS`. ends: from
+    where the run goes on, and what it leaves; None: nothing of it. UsageError if `refimpl.events` refuses the scene.
     """
     state = scene.initial_state()
     output, times = scene.output, scene.samples()
@@ -58,27 +59,38 @@ def run_events(scene: Scene, scheduler: Any) -> Run:
                     fields=output.fields,
                     counting="operation_counts" in output.observables,
                 )
-            _record(run, 0, sim, origin, tallied)
+            before = _record(run, 0, sim, origin, tallied)
             sim.run(until=0.0)  # compiles the loop
         run.cost.compile = time.perf_counter() - started
 
-    pace = Pace(output.collisions[-1] if output.collisions else scene.duration)
+    resumed = ends is not None and ends.start is not None
+    begin = _resume(sim, ends.start) if ends is not None and ends.start is not None else 0.0
+    moments, end = absolute_times(scene, begin), begin + scene.duration
+    if resumed:
+        sim.run(until=moments[0])
+        before = _record(run, 0, sim, origin, tallied)
+    reach = end if output.collisions is None else before.collisions + output.collisions[-1]
+    pace = Pace(reach, begin if output.collisions is None else before.collisions)
     for sample, count in enumerate(output.collisions or (None,) * (times.size - 1), 1):
+        until, collisions = (moments[sample], None) if count is None else (end, before.collisions + count)
         with timed(run.cost):
-            _advance(sim, pace, times[sample] if count is None else scene.duration, count)
+            _advance(sim, pace, until, collisions)
         if sim.stopped:
             break
-        if count is not None and sim.collisions < count:
+        if collisions is not None and sim.collisions < collisions:
             run.stopped = f"the duration, {scene.duration:g}, is over before pair collision {count}"
             break
-        times[sample] = sim.time
-        _record(run, sample, sim, origin, tallied)
+        if count is not None or not resumed:
+            times[sample] = sim.time - begin
+        _record(run, sample, sim, origin, tallied, before)
     if output.collisions is None:
         with timed(run.cost):
-            _advance(sim, pace, scene.duration, None)
+            _advance(sim, pace, end, None)
     run.stopped = run.stopped or sim.stopped
-    run.cost.events = sim.events
+    run.cost.events = sim.events - before.events
     run.remarks = _remarks(sim)
+    if ends is not None and not run.stopped:
+        ends.leave({"end": end if output.collisions is None else sim.time, "simulation": sim.snapshot()})
 
     final = sim.state()
     run["final_positions"], run["final_velocities"] = final.positions + origin, final.velocities
@@ -102,6 +114,25 @@ def _advance(sim: Any, pace: Pace, until: float, collisions: int | None) -> None
         sim.run(until=until, collisions=end)
         if sim.collisions < end or sim.collisions == collisions:
             return
+
+
+class _Counts(NamedTuple):
+    """Numbers of pair collisions and of all events that are not this run's own: of the run that it goes on from."""
+
+    collisions: int = 0
+    events: int = 0
+
+
+def _resume(sim: Any, start: Mapping[str, Any]) -> float:
+    """Brings the simulation to the start of the run; the time that it is then, since the very first start."""
+    prefix = "simulation."
+    try:
+        sim.resume({name.removeprefix(prefix): array for name, array in start.items() if name.startswith(prefix)})
+        return float(start["end"])
+    except (KeyError, TypeError) as error:
+        raise misfit(ValueError(f"array {error} is missing or damaged")) from None
+    except ValueError as error:
+        raise misfit(error) from None
 
 
 def hard_spheres(scene: Scene, state: State, lengths: Floats) -> Any:
@@ -218,9 +249,15 @@ class _Naive(Naive):
         return field_energy(self.model, self.state().positions) + well_energy(self.model, self._bonds)
 
 
-def _record(run: Run, sample: int, sim: Any, origin: Floats, tallied: bool) -> None:
-    """Writes the observables at a sample. tallied: the simulation keeps cumulative sums, and they are written too."""
-    values: dict[str, Any] = {"collisions": sim.collisions, "events": sim.events, "contact_time": 0.0}
+def _record(run: Run, sample: int, sim: Any, origin: Floats, tallied: bool, before: _Counts | None = None) -> _Counts:
+    """Writes the observables at a sample; returns the counts at it.
+
+    tallied: the simulation keeps cumulative sums, and they are written too. before: the counts at the start; None: it
+    is the start.
+    """
+    now = _Counts(sim.collisions, sim.events)
+    first = before or now
+    values: dict[str, Any] = {"contact_time": 0.0}
     if "positions" in run:
         state = sim.state()
         values |= {"positions": state.positions + origin, "velocities": state.velocities}
@@ -230,5 +267,7 @@ def _record(run: Run, sample: int, sim: Any, origin: Floats, tallied: bool) -> N
             values[name] = getattr(sim, name)()
     if tallied:
         values |= sim.tallies()
+    values |= {"collisions": now.collisions - first.collisions, "events": now.events - first.events}
     for name in values.keys() & run.keys():
         run[name][sample] = values[name]
+    return now

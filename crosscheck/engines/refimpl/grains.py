@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.engines.protocol import Cost, Run, face_names, sample_times
+from crosscheck.engines.refimpl.continuation import Continuation
 from crosscheck.engines.refimpl.stepping import integrated
 from crosscheck.engines.soft_spheres import ContactLaw, inertia_ratio, remarks, soft_spheres
 from crosscheck.scene import AXES, Floats, Method, Scene, State
@@ -14,11 +15,11 @@ from refimpl.stepping.forces import grains as soft
 from refimpl.stepping.integrate import Integration
 
 
-def run_grains(scene: Scene, method: Method) -> Run:
+def run_grains(scene: Scene, method: Method, ends: Continuation | None = None) -> Run:
     """Runs a scene of hard spheres as soft ones.
 
-    scene: accepted by `soft_spheres.unsupported`. method: its contact and dt are used. UsageError if dt does not divide
-    duration and interval.
+    scene: accepted by `soft_spheres.unsupported`. method: its contact and dt are used. ends: from where the run goes
+    on, and what it leaves; None: nothing of it. UsageError if dt does not divide duration and interval.
     """
     state, output = scene.initial_state(method.contact), scene.output
     force = soft_grains(scene, state, method)
@@ -33,6 +34,7 @@ def run_grains(scene: Scene, method: Method) -> Run:
         trajectory=keep_states or force.tallied,
         thermo=bool({"kinetic_energy", "potential_energy"} & set(output.observables)),
         last=None if keep_states else force.auxiliary,
+        ends=ends,
     )
     run = _run(scene, force, sample_times(scene, method), done, cost)
     run.remarks = tuple(remarks(scene, method, state.velocities))
@@ -134,6 +136,7 @@ def _cumulative(scene: Scene, force: soft.Grains, integrals: Floats, asked: set[
     integrals: (samples, columns), the last coordinates: time, then the integrals in the order of `refimpl`.
     """
     d, walls = scene.dimension, len(force.walls)
+    integrals = integrals - integrals[:1]  # a run that goes on counts from its own start
     faces = list(face_names(scene))
     on_walls = integrals[:, 3 : 3 + (walls + 1) * d].reshape(-1, walls + 1, d)
     impulses = np.zeros((len(integrals), len(faces), d))

@@ -10,6 +10,7 @@ import numpy as np
 
 from crosscheck.engines.progress import Pace, stage
 from crosscheck.engines.protocol import Cost, Run, shapes, timed
+from crosscheck.engines.refimpl.continuation import Continuation
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Occupations, Scene
 from crosscheck.scene.lattice_gas import gas_model
@@ -25,15 +26,15 @@ def unsupported(scene: Scene, scheme: str) -> str | None:
     return None
 
 
-def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
+def run_lattice(scene: Scene, scheme: str, evolver: str, ends: Continuation | None = None) -> Run:
     """Runs a lattice gas.
 
     scene: a scene of a lattice gas. scheme: name of the scheme. evolver: "module.Class" in `refimpl.lattice` that moves
-    it.
+    it. ends: from where the run goes on, and what it leaves; None: nothing of it.
     """
     module, name = evolver.split(".")
     kind = getattr(import_module(f"refimpl.lattice.{module}"), name)
-    gas = _initial_gas(scene, scheme, kind)
+    gas = _initial_gas(scene, scheme, kind, ends)
     cost = Cost()
     started = time.perf_counter()
     stage("compiling kernels")
@@ -42,27 +43,35 @@ def run_lattice(scene: Scene, scheme: str, evolver: str) -> Run:
         _observed(scene, gas, set(scene.output.observables))
     cost.compile = time.perf_counter() - started
 
+    start = gas.time
     times = scene.samples()
     run = Run({name: np.zeros(shape) for name, shape in shapes(scene, times.size).items()}, cost=cost)
     run["time"] = times
     names = set(scene.output.observables) - {"sites"}
-    pace = Pace(scene.duration)
-    reversals = list(scene.lattice_gas.reversals or ()) if scene.lattice_gas else []
+    pace = Pace(start + scene.duration, start)
+    reversals = [start + step for step in (scene.lattice_gas.reversals or ())] if scene.lattice_gas else []
     for sample, moment in enumerate(times):
         with timed(cost):
-            _advance(gas, int(moment), reversals, pace)
+            _advance(gas, start + int(moment), reversals, pace)
         for name, value in _observed(scene, gas, names).items():
             run[name][sample] = value
     with timed(cost):
-        _advance(gas, int(scene.duration), reversals, pace)
+        _advance(gas, start + int(scene.duration), reversals, pace)
     if "sites" in scene.output.observables:
         run["sites"] = gas.sites
     cost.steps = int(scene.duration)
+    if ends is not None:
+        ends.leave(_state(gas))
     return run
 
 
-def _initial_gas(scene: Scene, scheme: str, kind: Any) -> Any:
-    """The gas, an instance of the class `kind`, in its initial state."""
+def _state(gas: Any) -> dict[str, Any]:
+    """What decides all that follows: time, and states or occupations; random numbers depend on time and site."""
+    return {"time": gas.time, "f": gas.f} if hasattr(gas, "f") else {"time": gas.time, "sites": gas.sites}
+
+
+def _initial_gas(scene: Scene, scheme: str, kind: Any, ends: Continuation | None) -> Any:
+    """The gas, an instance of the class `kind`, in the state in which the run starts."""
     from refimpl.lattice.gas import Forcing
 
     gas, initial, model = scene.lattice_gas, scene.initial, gas_model(scene)
@@ -74,9 +83,17 @@ def _initial_gas(scene: Scene, scheme: str, kind: Any) -> Any:
         forcing = Forcing(channel, abs(gas.force))
     walls = scene.wall_rules()
     if scheme == BOLTZMANN:
-        return kind(model, scene.initial_occupations(), walls=walls, forcing=forcing)
+        found = kind(model, scene.initial_occupations(), walls=walls, forcing=forcing)
+        if ends is not None:
+            found.time, found.f = ends.restored(_state(found)).values()
+        return found
     seed = initial.seed if scene.seed is None else scene.seed
-    return kind(model, scene.initial_sites(), seed=seed, walls=walls, forcing=forcing)
+    time, sites = 0, scene.initial_sites()
+    if ends is not None:
+        time, sites = ends.restored({"time": time, "sites": sites}).values()
+    found = kind(model, sites, seed=seed, walls=walls, forcing=forcing)
+    found.time = time
+    return found
 
 
 def _kernel_features(scene: Scene) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from crosscheck.engines.progress import Pace, stage
 from crosscheck.engines.protocol import Cost, Run, sample_times, timed
+from crosscheck.engines.refimpl.continuation import Continuation
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
 from refimpl.stepping.schemes import SCHEMES
@@ -27,13 +28,15 @@ def integrated(
     trajectory: bool,
     thermo: bool,
     last: int | None = None,
+    ends: Continuation | None = None,
 ) -> tuple[Integration, Cost]:
     """Integrates over the duration of `scene`; the result of `refimpl.stepping.integrate.integrate`, and the cost.
 
     Compilation is done before, and is not part of the cost of the integration. scene: gives duration and interval.
     method: scheme and dt. force: a force record of `refimpl`. r, v: flat coordinates and velocities, (n,). trajectory,
     thermo: whether to record the states, and the energies and the virial, at the samples. last: record so many of the
-    last coordinates instead of all; None: all. UsageError if dt does not divide duration and interval.
+    last coordinates instead of all; None: all. ends: from where the run goes on, and what it leaves; None: nothing
+    of it. UsageError if dt does not divide duration and interval.
     """
     from numba import typeof
 
@@ -50,6 +53,10 @@ def integrated(
         with one_at_a_time(f"{type(SCHEMES[method.scheme].record).__name__} {thermo} {forces_type}"):
             compile_steps(method.scheme, force, r, v, dt, thermo=thermo)
     cost.compile = time.perf_counter() - started
+    state = None
+    if ends is not None and ends.start is not None:
+        like = integrate(method.scheme, force, r, v, dt, 0).state
+        state = ends.restored(like, growing=("force",))
 
     with timed(cost):
         done = integrate(
@@ -64,15 +71,19 @@ def integrated(
             last=last,
             thermo=thermo,
             pace=Pace(steps).more,
+            state=state,
         )
+    if ends is not None and not done.diverged:
+        ends.leave(done.state)
     cost.steps, cost.evaluations = done.steps, done.evaluations
     return done, cost
 
 
-def run_steps(scene: Scene, method: Method) -> Run:
+def run_steps(scene: Scene, method: Method, ends: Continuation | None = None) -> Run:
     """Runs a scene of springs, gravity or Lennard-Jones particles.
 
-    scene, method: as for `Engine.run`. UsageError if dt does not divide duration and interval.
+    scene, method: as for `Engine.run`. ends: from where the run goes on, and what it leaves; None: nothing of it.
+    UsageError if dt does not divide duration and interval.
     """
 
     from refimpl.stepping.integrate import acceleration
@@ -87,6 +98,7 @@ def run_steps(scene: Scene, method: Method) -> Run:
         v,
         trajectory=output.trajectory,
         thermo=bool(output.observables),
+        ends=ends,
     )
 
     def rows(flat: Floats) -> Floats:

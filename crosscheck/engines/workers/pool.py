@@ -77,14 +77,25 @@ class Worker:
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         return self._checked(lambda reply: border.reason(reply["reason"]), {"call": "supports", **texts})
 
-    def run(self, scene: Scene, method: Method, progress: Path | None = None) -> Run:
+    def run(
+        self,
+        scene: Scene,
+        method: Method,
+        progress: Path | None = None,
+        restart: Path | None = None,
+        keep: Path | None = None,
+    ) -> Run:
         """See `Engine.run`. scene, method: what to run, and how. Unsupported if the engine cannot run it.
 
         progress: the file to which the engine reports how far it is, see `crosscheck.engines.progress`; None: none.
+        restart: file with the state from which the run goes on, see `Restartable`; None: from the scene's initial one.
+        keep: file for the state at its end, written if the engine can restart and the run came to its end; None: none.
         """
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         path = Path(self._directory.name) / "run.npz"
-        request = {"call": "run", "path": str(path), "progress": progress and str(progress), **texts}
+        files = {"progress": progress, "restart": restart, "keep": keep}
+        given = {name: str(file) for name, file in files.items() if file is not None}
+        request = {"call": "run", "path": str(path), **given, **texts}
         try:
             return self._checked(lambda reply: self._arrived(reply, path, scene, method), request)
         finally:

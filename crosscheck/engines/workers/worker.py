@@ -18,11 +18,12 @@ import numpy as np
 
 from crosscheck.engines import progress
 from crosscheck.engines.capabilities import refusal
-from crosscheck.engines.protocol import Claims, Engine
+from crosscheck.engines.protocol import Claims, Engine, Restartable, Run
 from crosscheck.engines.registry import load_class
 from crosscheck.engines.sizes import refuse_large_run
 from crosscheck.engines.soft_spheres import resolved
 from crosscheck.engines.workers import border
+from crosscheck.engines.workers.states import read_arrays
 from crosscheck.errors import UsageError
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.scene.observables import TABLE
@@ -32,8 +33,9 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     """The answer to one request.
 
     engine: an instance. request: "call" is "version", "supports" or "run"; the latter two hold "scene" and "method" as
-    JSON texts, and "run" the "path" of the file for the arrays, and perhaps that for the "progress". UsageError for a
-    mistake in scene or method; Misfit if the engine returns what it should not; any exception of the engine.
+    JSON texts, and "run" the "path" of the file for the arrays, and perhaps that for the "progress", and "restart" and
+    "keep", the files with the state from which the run goes on and for that at its end. UsageError for a mistake in
+    scene or method; Misfit if the engine returns what it should not; any exception of the engine.
     """
     if request["call"] == "version":
         return {"version": border.version(engine.version())}
@@ -49,10 +51,26 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     _check_step(engine.schemes[method.scheme], method)
     progress.listen(Path(request["progress"]) if request.get("progress") else None)
     progress.stage("preparing the start")
-    given, rest = border.outcome(engine.run(wanted, method))
+    given, rest = border.outcome(_run(engine, wanted, method, request))
     arrays = border.arrays(given, wanted, method, diverged=rest["diverged"], stopped=rest["stopped"])
     np.savez(request["path"], allow_pickle=False, **_asked_arrays(arrays, scene, method))
     return rest
+
+
+def _run(engine: Engine, scene: Scene, method: Method, request: dict[str, Any]) -> Run:
+    """The run; from the state in the file `restart` of the request, and to that in `keep`, if they are given."""
+    restart, keep = request.get("restart"), request.get("keep")
+    if isinstance(engine, Restartable) and keep is not None:
+        run, state = engine.run_from(scene, method, None if restart is None else read_arrays(Path(restart)))
+        if state is not None and not run.diverged and not run.stopped:
+            np.savez(keep, allow_pickle=False, **state)
+        return run
+    if restart is not None:
+        raise UsageError(
+            f"--restart: {engine.name} does not promise the same bits after a restart: start from its trajectory "
+            "(initial.kind = 'file'), which is the same to round-off"
+        )
+    return engine.run(scene, method)
 
 
 def _without_derived(scene: Scene) -> Scene:

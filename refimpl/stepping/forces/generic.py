@@ -119,8 +119,13 @@ def periods(force: Force) -> np.ndarray | None:
 
 
 @_dispatched
-def forget(force: Force) -> None:
-    """Drops what was kept of earlier coordinates, which have moved by whole periods. Called from Python only."""
+def renew(force: Force) -> None:
+    """Lets the next evaluation find its pairs anew, as the first one did.
+
+    The order of a neighbour list, hence that of summation, depends on where the list was made. Called before the step
+    to each recorded state, so that a run that starts there has the same list, and the same bits; and where coordinates
+    have been moved by whole periods.
+    """
 
 
 @overload(accelerate, inline="never", strict=False)
@@ -156,3 +161,8 @@ def _derivatives(force: Any, r: Any, v: Any, count: Any) -> Any:
 @overload(status, inline="never", strict=False)
 def _status(force: Any) -> Any:
     return _compiled_implementation(status, force)
+
+
+@overload(renew, inline="never", strict=False)
+def _renew(force: Any) -> Any:
+    return _compiled_implementation(renew, force)

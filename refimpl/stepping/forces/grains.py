@@ -41,10 +41,10 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     energy_and_virial,
     enlarge,
-    forget,
     implements,
     kinetic_energy,
     periods,
+    renew,
     status,
 )
 from refimpl.stepping.kernels.contacts import (
@@ -350,6 +350,6 @@ def _periods(force: Grains) -> np.ndarray | None:
     return np.concatenate([np.tile(sides, number), np.zeros(turning + force.auxiliary)])
 
 
-@implements(forget, Grains)
-def _forget(force: Grains) -> None:
+@implements(renew, Grains)
+def _renew(force: Grains) -> None:
     force.bookkeeping[LISTED] = 0

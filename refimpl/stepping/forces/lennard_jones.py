@@ -32,11 +32,11 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     energy_and_virial,
     enlarge,
-    forget,
     implements,
     kinetic_energy,
     periods,
     potential_energy,
+    renew,
     status,
     virial,
 )
@@ -51,6 +51,7 @@ from refimpl.stepping.kernels.neighbours import (
     neighbours,
     update,
 )
+from refimpl.stepping.kernels.sums import sum_of_squares
 
 TRUNCATIONS = ("truncated", "shifted", "force_shifted")
 
@@ -438,8 +439,8 @@ def _kinetic(v: np.ndarray, mass: float | None, masses: np.ndarray | None) -> fl
             energy += 0.5 * masses[i // dimension] * v[i] ** 2
         return energy
     if mass is not None:
-        return 0.5 * mass * np.sum(v * v)
-    return 0.5 * np.sum(v * v)
+        return 0.5 * mass * sum_of_squares(v)
+    return 0.5 * sum_of_squares(v)
 
 
 @implements(kinetic_energy, LennardJones)
@@ -452,6 +453,11 @@ def _status(force: LennardJones) -> int:
     return force.neighbours.bookkeeping[STATUS]
 
 
+@implements(renew, LennardJones)
+def _renew(force: LennardJones) -> None:
+    force.neighbours.bookkeeping[VALID] = 0
+
+
 @implements(enlarge, LennardJones)
 def _enlarge(force: LennardJones) -> LennardJones:
     return _with_slots(force._replace(neighbours=enlarge_neighbours(force.neighbours)))
@@ -460,8 +466,3 @@ def _enlarge(force: LennardJones) -> LennardJones:
 @implements(periods, LennardJones)
 def _periods(force: LennardJones) -> np.ndarray | None:
     return np.tile(force.neighbours.sides, len(force.neighbours.order)) if any(force.neighbours.sides) else None
-
-
-@implements(forget, LennardJones)
-def _forget(force: LennardJones) -> None:
-    force.neighbours.bookkeeping[VALID] = 0

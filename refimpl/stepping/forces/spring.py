@@ -15,6 +15,7 @@ from refimpl.stepping.forces.generic import (
     potential_energy,
     virial,
 )
+from refimpl.stepping.kernels.sums import sum_of_squares
 
 
 class Spring(NamedTuple):
@@ -62,12 +63,12 @@ def _accelerate(force: Spring, r: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 @implements(potential_energy, Spring)
 def _potential_energy(force: Spring, r: np.ndarray) -> float:
-    return 0.5 * force.k * np.sum(r * r)
+    return 0.5 * force.k * sum_of_squares(r)
 
 
 @implements(virial, Spring)
 def _virial(force: Spring, r: np.ndarray) -> float:
-    return -force.k * np.sum(r * r)
+    return -force.k * sum_of_squares(r)
 
 
 @implements(kinetic_energy, Spring)

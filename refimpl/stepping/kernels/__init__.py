@@ -7,5 +7,6 @@ The readable form stands beside this folder, in the module of the force; tests c
 | `lennard_jones`, `neighbours` | `forces.lennard_jones.plain_forces`: all pairs, all images |
 | `gravity` | `forces.gravity.plain_acceleration` |
 | `contacts` | the equations of `forces.grains` |
+| `sums` | `np.sum`, to round-off |
 | `simd`, `compiled` | none: vectors of eight doubles as a type; how kernels are compiled |
 """

@@ -53,7 +53,7 @@ def test_neighbours_of_one_name_are_not_mixed_up(engines):
 def test_methods_of_an_engine_import_its_neighbours(engines):
     """In a process of its own, as the worker is."""
     program = (
-        "import sys; from crosscheck.engines.registry import load_engine; print(load_engine(sys.argv[1]).version())"
+        "import sys; from crosscheck.engines.registry import load_class; print(load_class(sys.argv[1])().version())"
     )
     found = [
         subprocess.run([sys.executable, "-P", "-c", program, name], capture_output=True, text=True, check=True).stdout

@@ -14,6 +14,7 @@ from event_scenes import full, scatter, spheres, thermal
 from numpy.testing import assert_array_equal
 
 from refimpl.events.model import Face, Floats, Friction, Oscillation, RandomPhase, hard_spheres
+from refimpl.events.naive import Naive
 from refimpl.events.simulation import Scheduler, Simulation
 from refimpl.events.state import State
 
@@ -183,6 +184,53 @@ def test_pieces_of_a_run_across_a_renewal() -> None:
         cut.run(until=float(end))
     assert whole._rebases > 0
     assert_same(whole, cut)
+
+
+@pytest.mark.parametrize("scheduler", SCHEDULERS)
+@pytest.mark.parametrize(
+    ("make", "first", "last"), [(shaken, 3_000, 6_000), (gas, 50_000, 70_000), (inward, 900, 3_000)]
+)
+def test_a_run_goes_on_from_a_snapshot(make: Any, first: int, last: int, scheduler: Scheduler) -> None:
+    """With the bits of every event: random walls, oscillation, histories; across a renewal; with larger arrays."""
+    whole, before, after = make(scheduler), make(scheduler), make(scheduler)
+    whole.run(collisions=last)
+    before.run(collisions=first)
+    arrays = before.snapshot()
+    before.run(collisions=first + 10)  # changes no snapshot
+    after.run(collisions=5)
+    after.resume(arrays)
+    seen = len(after.trace())
+    after.run(collisions=last)
+    assert after.trace()[seen:] == whole.trace()[len(whole.trace()) - len(after.trace()) + seen :]
+    assert len(after.trace()) - seen >= last - first
+    for mine, yours in zip(after.state(), whole.state(), strict=True):
+        if mine is not None:
+            assert_array_equal(mine, yours)
+    assert (after.collisions, after.interactions, after.events) == (last, whole.interactions, whole.events)
+    assert after._rebases == whole._rebases
+
+
+def test_a_snapshot_of_another_simulation_is_refused() -> None:
+    arrays = shaken().snapshot()
+    with pytest.raises(ValueError, match=r"array .* is missing|has no place"):
+        shaken("lists").resume(arrays)
+    with pytest.raises(ValueError, match=r"array rows has the shape \(60, 8\), not \(40, 8\)"):
+        shaken(number=40).resume(arrays)
+
+
+def test_the_naive_algorithm_goes_on_from_a_snapshot() -> None:
+    start = shaken(number=20)
+    arguments = (start.model, *start.state()[1:])
+    whole, before, after = (Naive(*arguments) for _ in range(3))
+    before.run(until=1.0)
+    after.resume(before.snapshot())
+    after.run(until=2.0)
+    whole.run(until=1.0)
+    whole.run(until=2.0)
+    assert after.trace == whole.trace[len(before.trace) :]
+    assert len(after.trace) > 20
+    for mine, yours in zip(after.state(), whole.state(), strict=True):
+        assert_array_equal(mine, yours)
 
 
 def test_a_cut_at_a_renewal() -> None:

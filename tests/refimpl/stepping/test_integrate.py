@@ -19,11 +19,11 @@ from refimpl.stepping.forces.generic import (
     NEEDS_CAPACITY,
     accelerate,
     enlarge,
-    forget,
     implements,
     kinetic_energy,
     periods,
     potential_energy,
+    renew,
     status,
     virial,
 )
@@ -228,7 +228,7 @@ def test_a_start_that_diverges_takes_no_step() -> None:
 
 
 class Stream(NamedTuple):
-    """No force, in boxes of side 4 along the first coordinate of two. state: how often it was told to forget."""
+    """No force, in boxes of side 4 along the first coordinate of two. state: how often it was told to renew."""
 
     state: np.ndarray
 
@@ -244,8 +244,8 @@ def _periods(force: Stream) -> np.ndarray:
     return np.array([4.0, 0.0] * 2)
 
 
-@implements(forget, Stream)
-def _forget(force: Stream) -> None:
+@implements(renew, Stream)
+def _renew(force: Stream) -> None:
     force.state[0] += 1
 
 

@@ -201,22 +201,51 @@ def test_sums_of_fields(ran: Any) -> None:
     assert largest(f["field_initial_momentum"].sum(axis=(0, 1)) - start) < error
 
 
-def test_rotation_of_grains_with_wells() -> None:
-    """Most spells end at the edge of a well, where no spin changes: they count all the same."""
+def sticky() -> Simulation:
+    """Rough disks with wells, in a periodic box."""
     rng, number = np.random.default_rng(4), 30
     model = hard_spheres(
         lengths=(9.0, 9.0), periodic=(True, True), friction=Friction(-0.3, 0.5, 0.4), well=Well(1.0, 1.5)
     )
     x = scatter(rng, model.lengths, model.periodic, 1.0, number)
-    simulation = Simulation(
-        model, x, thermal(rng, number, 2), rng.normal(size=(number, 1)), tallies=True, fields=(3, 3)
-    )
+    return Simulation(model, x, thermal(rng, number, 2), rng.normal(size=(number, 1)), tallies=True, fields=(3, 3))
+
+
+def test_rotation_of_grains_with_wells() -> None:
+    """Most spells end at the edge of a well, where no spin changes: they count all the same."""
+    simulation = sticky()
     simulation.run(until=10.0)
     f, found = simulation.fields(), simulation.tallies()
     assert simulation.interactions > 2 * simulation.collisions > 100
     assert f["field_rotational"].sum() > 1
     error = simulation.time * rounding(simulation)
     assert abs(f["field_kinetic"].sum() + f["field_rotational"].sum() - found["kinetic_energy_integral"]) < error
+
+
+@pytest.mark.parametrize("make", [heap, sticky])
+def test_measurements_begin_anew_after_a_restart(make: Any) -> None:
+    """The motion goes on to the last bit, bonds too; both parts together are what the whole measures, to rounding."""
+    whole, before, after = make(), make(), make()
+    before.run(until=3.0)
+    after.resume(before.snapshot())
+    first, again = before.fields() | before.tallies(), after.fields() | after.tallies()
+    for name, values in again.items():
+        if name not in ("collisions", "events") and not name.startswith(("field_initial", "field_final")):
+            assert not np.any(values), name
+        if name.startswith("field_initial"):
+            assert_array_equal(values, first[name.replace("initial", "final")])
+    for simulation in (whole, after):
+        simulation.run(until=5.0)
+    for mine, yours in zip(after.state(), whole.state(), strict=True):
+        assert_array_equal(mine, yours)
+    assert after.potential_energy() == whole.potential_energy()
+    second, expected = after.fields() | after.tallies(), whole.fields() | whole.tallies()
+    for name, values in expected.items():
+        if name.startswith("field_final"):
+            assert_array_equal(second[name], values)
+        elif name not in ("collisions", "events", "deepest_overlap") and not name.startswith("field_initial"):
+            error = 5 * whole.time * rounding(whole)
+            assert largest(np.asarray(first[name] + second[name] - values)) < error, name
 
 
 def test_to_look_changes_nothing() -> None:

@@ -1,0 +1,15 @@
+"""Sums that have the same bits in plain Python, as at the start of a run, and within compiled loops."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, error_model="numpy")
+def sum_of_squares(x: np.ndarray) -> float:
+    """The sum of x^2, added up in the order of the array `x`: numpy's own sum adds parts of it first."""
+    total = 0.0
+    for value in x:
+        total += value * value
+    return total
