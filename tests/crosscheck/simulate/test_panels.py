@@ -141,6 +141,6 @@ def test_a_map_without_numbers_is_drawn():
 
 def test_a_name_with_dollar_signs_is_drawn(tmp_path):
     scene, run = on((4, 2))
-    named = scene.changed(name="a $\\foo$ of " + "many words " * 20)
+    named = scene.changed(name="a $\\foo$ of " + "many words " * 14)
     result = Result("refimpl", "1", run, observables(named, run))
     assert "$\\foo$" in draw_picture(tmp_path, named, EVENTS, [result], {})[1].read_text()

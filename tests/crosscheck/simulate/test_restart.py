@@ -202,7 +202,7 @@ def test_from_a_restart_file_and_from_a_trajectory(tmp_path: Path, engine: str) 
     simulate(whole, [engine], tmp_path / "whole")
     simulate(half, [engine], tmp_path / "first")
     restart = tmp_path / "first" / f"restart-{engine}.npz"
-    simulate(half, [engine], tmp_path / "second", restart)
+    simulate(half, [engine], tmp_path / "second", restart=restart)
     starts = ["second"]
     if engine == "refimpl":  # velocity Verlet, and lists made anew for each recorded state: positions, velocities do
         simulate(again, [engine], tmp_path / "third")
@@ -261,7 +261,7 @@ def test_hostile_restart_files_are_one_line(
 ) -> None:
     scene, restart = kept
     with pytest.raises(UsageError, match=message) as caught:
-        simulate(scene, ["refimpl"], tmp_path, rewritten(restart, tmp_path / "bad.npz", header, **arrays))
+        simulate(scene, ["refimpl"], tmp_path, restart=rewritten(restart, tmp_path / "bad.npz", header, **arrays))
     assert "\n" not in str(caught.value)
 
 
@@ -275,11 +275,11 @@ def test_damaged_restart_files_are_one_line(tmp_path: Path, kept: tuple[Path, Pa
         bad = tmp_path / f"{number}.npz"
         bad.write_bytes(data)
         with pytest.raises(UsageError, match="not a whole restart file") as caught:
-            simulate(scene, ["refimpl"], tmp_path, bad)
+            simulate(scene, ["refimpl"], tmp_path, restart=bad)
         assert "\n" not in str(caught.value)
     for missing in (tmp_path / "nowhere.npz", tmp_path):
         with pytest.raises(UsageError, match="not a whole restart file"):
-            simulate(scene, ["refimpl"], tmp_path, missing)
+            simulate(scene, ["refimpl"], tmp_path, restart=missing)
 
 
 @pytest.mark.parametrize(
@@ -297,7 +297,7 @@ def test_a_restart_file_of_another_scene_is_refused(
     given = changes.get("method", method)
     other = scene.changed(**{name: value for name, value in changes.items() if name != "method"})
     with pytest.raises(UsageError, match=message):
-        simulate(written(tmp_path, "other", other, given), ["refimpl"], tmp_path, kept[1])
+        simulate(written(tmp_path, "other", other, given), ["refimpl"], tmp_path, restart=kept[1])
 
 
 def test_name_duration_output_and_initial_state_may_differ(tmp_path: Path, kept: tuple[Path, Path]) -> None:
@@ -308,7 +308,7 @@ def test_name_duration_output_and_initial_state_may_differ(tmp_path: Path, kept:
         initial=explicit(np.ones((3, 2)), np.zeros((3, 2))),
         output=Output(interval=0.5, trajectory=True),
     )
-    simulate(written(tmp_path, "other", other, method), ["refimpl"], tmp_path / "out", kept[1])
+    simulate(written(tmp_path, "other", other, method), ["refimpl"], tmp_path / "out", restart=kept[1])
     assert len(frames(tmp_path / "out" / "trajectory-refimpl.extxyz")[0]) == 2 * 2 * 3 * 8
 
 
@@ -319,8 +319,8 @@ def test_an_engine_that_cannot_restart_says_so(tmp_path: Path, kept: tuple[Path,
         "from crosscheck.engines.refimpl.engine import RefimplEngine\n"
         "class Plain(RefimplEngine):\n    name = 'plain'\n    run_from = None\n"
     )
-    files = simulate(scene, [engine], tmp_path / "out")
-    assert not [path for path in files if path.suffix == ".npz"]
+    files = simulate(scene, [engine], tmp_path / "out").paths
+    assert not [path for path in files if path.name.startswith("restart")]
     bad = rewritten(restart, tmp_path / "bad.npz", {"engine": engine})
     with pytest.raises(UsageError, match="--restart: plain does not promise the same bits after a restart: start from"):
-        simulate(scene, [engine], tmp_path / "out", bad)
+        simulate(scene, [engine], tmp_path / "out", restart=bad)
