@@ -434,6 +434,22 @@ def test_a_run_that_stopped_has_a_state_at_its_end(start: Start) -> None:
     assert np.isfinite(run["final_positions"]).all()
 
 
+def test_an_engine_that_changes_the_scene_changes_its_own_copy(start: Start) -> None:
+    """In its worker the run seems right; the suite knows what it asked for."""
+
+    def run(self: Any, scene: Scene, method: Method) -> Run:
+        scene.__dict__["duration"] = 0.8
+        return good(scene, method)
+
+    with pytest.raises(EngineError, match=r"^hostile: .*run\['time'\] has 9 samples, the scene asks for 5"):
+        start(run=run).run(SCENE, STEP)
+
+
+def test_an_engine_that_cannot_be_made(start: Start) -> None:
+    with pytest.raises(EngineError, match=r"^hostile: TypeError: .*missing 1 required positional argument"):
+        start(__init__=lambda self, argument: None).version()
+
+
 COUNTED = Scene(
     name="disks",
     dimension=2,

@@ -4,9 +4,10 @@ import os
 import runpy
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -119,6 +120,22 @@ def test_a_directory_that_waits_under_the_temporary_ones_is_not_used(home: Path)
     assert found.name.startswith("crosscheck-kernels-")
     assert found.stat().st_mode & 0o777 == 0o700
     assert kernel_cache() == found, "one for the whole session"
+
+
+def test_a_cache_that_cannot_be_written_is_replaced(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a file system that is full or read-only; what is there already is left alone."""
+    kept = kernel_cache() / "kernel"
+    kept.write_text("as it was")
+    write = tempfile.TemporaryFile
+
+    def full(dir: Path) -> Any:
+        if dir.is_relative_to(home):
+            raise OSError(30, "Read-only file system")
+        return write(dir=dir)
+
+    monkeypatch.setattr("tempfile.TemporaryFile", full)
+    assert kernel_cache().parent == home.parent.parent / "tmp" / f"particle-crosscheck-{os.geteuid()}"
+    assert kept.read_text() == "as it was"
 
 
 class State(NamedTuple):
