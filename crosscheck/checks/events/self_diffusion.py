@@ -10,11 +10,13 @@ from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import transport as reference
 from crosscheck.scene import Floats, Output
-from crosscheck.statistics import correlated_mean
+from crosscheck.statistics import mean_of_stretches
 from crosscheck.verdict import Judged, statistical
 
 #: Number of spheres; samples to the start of the window, which ends at twice that time; the longest lag shown; origins.
-DIFFUSING, WINDOW, SHOWN, ORIGINS = 1728, 10, 40, 360
+DIFFUSING, WINDOW, SHOWN, ORIGINS = 1728, 10, 40, 480
+#: The origins in stretches that last one and a half times as long as a displacement does.
+STRETCHES = 16
 
 
 def _window_start(density: float) -> float:
@@ -38,7 +40,7 @@ def _judge(laboratory: Laboratory, density: float) -> Judged:
     run = laboratory.run(gas(3, DIFFUSING, density, laboratory.seed(), output, samples * step), EVENT_DRIVEN)
     positions = run["positions"][SHOWN:]  # settled
     slope = (_squares(positions, 2 * WINDOW, ORIGINS) - _squares(positions, WINDOW, ORIGINS)) / (6 * WINDOW * step)
-    mean = correlated_mean(slope)
+    mean = mean_of_stretches(slope.reshape(STRETCHES, -1).mean(axis=1))
     known = reference.sphere_diffusion(density, DIFFUSING)
     lags = np.arange(0, SHOWN + 1, 4)
     growth = np.diff([_squares(positions, lag, ORIGINS).mean() for lag in lags.tolist()]) / (6 * 4 * step)
@@ -57,7 +59,7 @@ def _judge(laboratory: Laboratory, density: float) -> Judged:
         mean.error,
         known.value,
         known.uncertainty,
-        f"standard error of {ORIGINS} correlated origins; of the reference for this N",
+        f"standard error of {STRETCHES} stretches of {ORIGINS} origins; of the reference for this N",
         samples=mean,
         needed=0.05,
         note=f"N = {DIFFUSING}, window from t1 = {WINDOW * step:.4g} to 2 t1; infinite N: {infinite.value:.5g}",

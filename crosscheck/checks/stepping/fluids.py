@@ -97,7 +97,7 @@ def shaken(scene: Scene, amplitude: float, seed: int) -> Scene:
 class StatePoint(NamedTuple):
     """A state of the fluid: `density` and `temperature`, in reduced units; steps: of the run for averages.
 
-    The thinner the fluid, the longer its temperature is correlated: the steps give 80 independent samples or more.
+    The thinner the fluid, the longer its temperature is correlated: the steps give a hundred independent samples.
     """
 
     density: float
