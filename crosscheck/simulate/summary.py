@@ -175,7 +175,8 @@ def _momentum(scene: Scene, run: Run) -> str:
         return "-"
     state = scene.initial_state()
     free = ~scene.fixed()
-    masses, before, after = state.masses[free], state.velocities[free], run["final_velocities"][free]
+    start = run["velocities"][0] if "velocities" in run else state.velocities
+    masses, before, after = state.masses[free], start[free], run["final_velocities"][free]
     scale = float((masses * np.linalg.norm(before, axis=1)).sum())
     scale = scale or float((masses * np.linalg.norm(after, axis=1)).sum()) or 1.0
     change = float(np.linalg.norm(masses @ (after - before))) / scale
