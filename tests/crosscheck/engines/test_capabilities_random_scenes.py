@@ -1,4 +1,4 @@
-"""Random scenes to every engine: a run of the right shapes or a refusal in words, never another exception."""
+"""`supports` and `run` on random scenes: a run of the right shapes or a refusal in words, never another exception."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def readable() -> Iterator[Worker]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NUMBA_DISABLE_JIT", "1")
         worker = Worker("refimpl", time_limit=60)
-        worker.version()
-        yield worker
-        worker.close()
+        worker.version()  # starts the process
+    yield worker
+    worker.close()
 
 
 @pytest.fixture(scope="module", params=["ase", "rebound"])
