@@ -74,9 +74,10 @@ class Run(dict[str, Floats]):
     divergence or an early end, samples are NaN. KeyError for an observable that the scene did not ask for.
 
     arrays, named: the arrays, as one mapping or as keyword arguments, in the units of the scene. diverged: the run met
-    a state that is not finite, or lost particles, and stopped there. stopped: why the run ended before its time
-    (inelastic collapse), or ""; the final state is then that at its end. cost: None: all zero. remarks: whole sentences
-    on what a user must know of a run that went to its end, such as simultaneous events whose order decides the outcome.
+    a state that is not finite, or lost particles, and stopped there; a particle far from the origin is not lost.
+    stopped: why the run ended before its time (inelastic collapse), or ""; the final state is then that at its end.
+    cost: None: all zero. remarks: whole sentences on what a user must know of a run that went to its end, such as
+    simultaneous events whose order decides the outcome.
     """
 
     def __init__(

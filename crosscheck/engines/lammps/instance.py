@@ -132,9 +132,9 @@ def pair_virial(dimension: int) -> list[str]:
 class Atoms:
     """The particles of a scene in a LAMMPS instance, in the scene's order.
 
-    LAMMPS holds wrapped positions and counts how often a particle crosses the box, in a counter that wraps; the
-    periodic image in which it starts, and the counts, are kept here. lmp: the LAMMPS instance. scene: gives the
-    periodic axes. state: the initial state. periodic: whether any axis is.
+    LAMMPS holds wrapped positions, and counts how often a particle crosses the box in a counter that wraps; the counts,
+    and the periodic image in which it starts, are kept here. lmp: the LAMMPS instance. scene: gives the periodic axes.
+    state: the initial state. periodic: whether any axis is.
     """
 
     def __init__(self, lmp: Any, scene: Scene, state: State) -> None:
