@@ -12,6 +12,7 @@ from crosscheck.errors import UsageError
 from crosscheck.scene import AXES, Floats, Method, Scene
 from crosscheck.scene.lattice_gas import gas_model
 from crosscheck.scene.observables import OPERATIONS, TABLE
+from crosscheck.text import printable
 
 #: Observables that are no columns themselves: columns of energies, temperature and pressure follow from them.
 _USED = ("kinetic_energy", "potential_energy", "virial")
@@ -196,7 +197,7 @@ def write_observables(path: Path, scene: Scene, method: Method, result: Result) 
         *([f"the run stopped: {result.run.stopped}"] if result.run.stopped else []),
     ]
     rows = np.column_stack(list(result.table.values()))
-    header = "".join(f"# {comment}\n" for comment in comments) + ",".join(result.table)
+    header = "".join(f"# {printable(comment)}\n" for comment in comments) + ",".join(result.table)
     np.savetxt(path, rows, fmt="%.17g", delimiter=",", header=header, comments="")
     return path
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -56,7 +57,8 @@ def draw_picture(
         "fontsize": 8, "ncols": 3, "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False,
         "columnspacing": 1.2, "handlelength": 1.5,
     }  # fmt: skip
-    with matplotlib.rc_context(style), np.errstate(all="ignore"):
+    with matplotlib.rc_context(style), np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in a script that the font has not
         figure = Figure(figsize=(max(5.5, 4.6 * len(results)), sum(heights) + 0.5), layout="constrained")
         FigureCanvasAgg(figure)
         title = f"{scene.name}: {method_label(method)}, to t = {_end(scene, results):g}"
