@@ -15,6 +15,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -28,6 +29,7 @@ from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
 from crosscheck.files import naming, refuse_no_directory, refuse_unwritable
 from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_torn, provenance, read, shown
+from crosscheck.text import printable
 from crosscheck.verdict import Verdict
 
 _COLOURS = {
@@ -44,6 +46,11 @@ def _console() -> Console:
     # pipe has no width
     console = Console()
     return Console(width=max(console.width, 140) if sys.stdout.isatty() else 200)
+
+
+def _plain(text: str) -> str:
+    """The text for a table, in which rich would read words in square brackets as styles."""
+    return escape(printable(text))
 
 
 def _variants_by_engine(check: Check) -> dict[str, tuple[Variant, ...]]:
@@ -127,7 +134,7 @@ def engines() -> None:
             state, text = "missing", str(error).splitlines()[0]
         finally:
             worker.close()
-        table.add_row(name, state, text, " ".join(engine_class(name).schemes))
+        table.add_row(name, state, _plain(text), " ".join(engine_class(name).schemes))
     _console().print(table)
 
 
@@ -143,7 +150,7 @@ class _Display:
         self._bar: Progress | None = None
         if sys.stdout.isatty():
             self._bar = Progress(
-                TextColumn("{task.description}"),
+                TextColumn("{task.description}", markup=False),
                 BarColumn(),
                 MofNCompleteColumn(),
                 TimeRemainingColumn(),
@@ -273,8 +280,8 @@ def _print_table(console: Console, lines: list[Line]) -> None:
         values = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
         outcome = line["outcome"]
         table.add_row(
-            case_name(line),
-            line["engine"],
+            _plain(case_name(line)),
+            _plain(line["engine"]),
             *("" if found is None else value(found) for value in values),
             numbers.seconds(line["cost"].get("seconds")),
             f"[{_COLOURS[outcome]}]{outcome}[/]",
