@@ -217,11 +217,12 @@ def main() -> None:
     except EngineError as error:
         _complain(str(error), 1)
     except OSError as error:
-        _drop_output()
         from crosscheck.files import shown_path
 
-        where = "output" if error.filename is None else shown_path(os.fsdecode(error.filename))
-        _complain(f"{where}: {error.strerror or error}", 2)
+        if error.filename is None:  # whatever is written to a file of the user names it: see `files.naming`
+            _drop_output()
+            _complain(f"output: {error.strerror or error}", 2)
+        _complain(f"{shown_path(os.fsdecode(error.filename))}: {error.strerror or error}", 2)
     except MemoryError:
         _complain("not enough memory: take fewer particles, samples or cells", 2)
 

@@ -31,6 +31,7 @@ from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.faults import Fault
 from crosscheck.files import naming, refuse_no_directory, refuse_unwritable
 from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_torn, provenance, read, shown
+from crosscheck.text import printable
 from crosscheck.verdict import Verdict
 
 _COLOURS = {
@@ -47,6 +48,11 @@ def _console() -> Console:
     # pipe has no width
     console = Console()
     return Console(width=max(console.width, 140) if sys.stdout.isatty() else 200)
+
+
+def _plain(text: str) -> str:
+    """The text for a table, in which rich would read words in square brackets as styles."""
+    return escape(printable(text))
 
 
 def _variants_by_engine(check: Check) -> dict[str, tuple[Variant, ...]]:
@@ -130,7 +136,7 @@ def engines() -> None:
             state, text = "missing", str(error).splitlines()[0]
         finally:
             worker.close()
-        table.add_row(name, state, text, " ".join(engine_class(name).schemes))
+        table.add_row(name, state, _plain(text), " ".join(engine_class(name).schemes))
     _console().print(table)
 
 
@@ -146,7 +152,7 @@ class _Display:
         self._bar: Progress | None = None
         if sys.stdout.isatty():
             self._bar = Progress(
-                TextColumn("{task.description}"),
+                TextColumn("{task.description}", markup=False),
                 BarColumn(),
                 MofNCompleteColumn(),
                 TimeRemainingColumn(),
@@ -384,8 +390,8 @@ def _print_table(console: Console, lines: list[Line]) -> None:
         values = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
         outcome = line["outcome"]
         table.add_row(
-            case_name(line),
-            line["engine"],
+            _plain(case_name(line)),
+            _plain(line["engine"]),
             *("" if found is None else value(found) for value in values),
             numbers.seconds(line["cost"].get("seconds")),
             f"[{_COLOURS[outcome]}]{outcome}[/]",

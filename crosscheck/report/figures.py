@@ -11,6 +11,7 @@ from __future__ import annotations
 import io
 import math
 import re
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -289,7 +290,9 @@ def to_svg(figure: Figure, title: str, prefix: str) -> str:
     """
     file = io.StringIO()
     nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
-    figure.savefig(file, format="svg", metadata=nothing)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # the page's own font shows them
+        figure.savefig(file, format="svg", metadata=nothing)
     return _inline(file.getvalue(), title, round(72 * figure.get_figheight()), prefix)
 
 

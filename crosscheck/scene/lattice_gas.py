@@ -79,9 +79,6 @@ def _check_lattice(scene: SceneEntries, gas: LatticeGas, initial: Occupations) -
         )
     if initial.cells is not None and isinstance(initial.density, tuple):
         raise ValueError("initial.cells goes with one density: give one, and waves")
-    for name, seed in (("seed", scene.seed), ("initial.seed", initial.seed)):
-        if seed is not None and seed >= 1 << 63:
-            raise ValueError(f"{name} = {seed} must be below 2^63")
     _check_reversals(scene, gas, model)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from crosscheck.errors import UsageError
 from crosscheck.scene import observables
@@ -58,10 +58,11 @@ class Part(BaseModel):
     def _in_range(self) -> Self:
         for name in type(self).model_fields:
             value = getattr(self, name)
-            numbers = value if isinstance(value, tuple) else (value,)
-            if numbers and isinstance(numbers[0], tuple):
-                numbers = tuple(chain.from_iterable(numbers))
-            largest = max((abs(number) for number in numbers if isinstance(number, float)), default=0.0)
+            rows = value if isinstance(value, tuple) else (value,)
+            numbers = chain.from_iterable(rows) if rows and isinstance(rows[0], tuple) else iter(rows)
+            first = next(numbers, None)
+            # the entries of a list are all of one type
+            largest = max(abs(first), max(map(abs, numbers), default=0.0)) if isinstance(first, float) else 0.0
             if largest > LARGEST:
                 raise ValueError(f"{name}: {largest:g} is out of range: the largest number is {LARGEST:g} here")
         return self
@@ -491,23 +492,7 @@ class File(Part):
     """Path of the file, relative to the scene file."""
 
 
-def _kind(initial: Any) -> str | None:
-    """The kind of an initial state: as given, or "explicit" of a table with positions; None if it cannot be told."""
-    if isinstance(initial, dict):
-        kind = initial.get("kind", "explicit" if "positions" in initial else None)
-    else:
-        kind = getattr(initial, "kind", None)
-    return None if kind is None else str(kind)
-
-
-Initial: TypeAlias = Annotated[
-    Annotated[Explicit, Tag("explicit")]
-    | Annotated[Lattice, Tag("lattice")]
-    | Annotated[Kepler, Tag("kepler")]
-    | Annotated[File, Tag("file")]
-    | Annotated[Occupations, Tag("occupations")],
-    Discriminator(_kind),
-]
+Initial: TypeAlias = Annotated[Explicit | Lattice | Kepler | File | Occupations, Field(discriminator="kind")]
 if TYPE_CHECKING:
     Observable: TypeAlias = str
 else:

@@ -124,12 +124,16 @@ class Scene(SceneEntries):
         if reason:
             raise UsageError(f"{shown_path(path)}: cannot be read ({reason}); give the path of a scene file")
         try:
-            table = json.dumps(tomllib.loads(path.read_bytes().decode("utf-8-sig")), default=str)
+            table = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+            initial = table.get("initial")
+            if isinstance(initial, dict) and "positions" in initial:
+                initial.setdefault("kind", Explicit.model_fields["kind"].default)
+            text = json.dumps(table, default=str)
         except ValueError as error:  # of the encoding, the text, or a number with more digits than Python converts
             raise UsageError(f"{shown_path(path)}: not valid TOML: {shortened(str(error), 300)}") from None
         except RecursionError:
             raise UsageError(f"{shown_path(path)}: not valid TOML: tables or lists are nested too deeply") from None
-        scene = cls.from_json(table, shown_path(path))
+        scene = cls.from_json(text, shown_path(path))
         if isinstance(scene.initial, File):
             place = path.parent / scene.initial.path
             reason = unreadable(place)

@@ -18,6 +18,7 @@ from crosscheck.errors import UsageError
 from crosscheck.scene import AXES, Floats, Method, Scene
 from crosscheck.scene.lattice_gas import gas_model
 from crosscheck.scene.observables import OPERATIONS, TABLE
+from crosscheck.text import printable
 
 #: Observables that are no columns themselves: columns of energies, temperature and pressure follow from them.
 _USED = ("kinetic_energy", "potential_energy", "virial")
@@ -238,7 +239,7 @@ def write_csv(path: Path, comments: Sequence[str], columns: Mapping[str, Any]) -
     comments: lines before the header line, each after "# ". columns: name -> (rows,).
     """
     with path.open("w", encoding="utf-8", errors="backslashreplace", newline="") as file:
-        file.writelines(f"# {' '.join(comment.split())}\n" for comment in comments)
+        file.writelines(f"# {printable(comment)}\n" for comment in comments)
         file.write(",".join(columns) + "\n")
         values = (np.asarray(column).tolist() for column in columns.values())
         # repr gives the shortest text that reads back to the same number

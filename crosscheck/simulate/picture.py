@@ -5,6 +5,7 @@ Below are the differences of two engines.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import asdict
 from pathlib import Path
 from textwrap import wrap
@@ -74,7 +75,8 @@ def draw_picture(
         "fontsize": 8, "ncols": 3, "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False,
         "columnspacing": 1.2, "handlelength": 1.5,
     }  # fmt: skip
-    with matplotlib.rc_context(style), np.errstate(all="ignore"):
+    with matplotlib.rc_context(style), np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in a script that the font has not
         figure = Figure(figsize=(max(5.5, 4.6 * len(results)), sum(heights) + 0.5), layout="constrained")
         FigureCanvasAgg(figure)
         title = printable(f"{scene.name}: {method_label(method)}, {_end(scene, results)}")

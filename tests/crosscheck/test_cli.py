@@ -328,7 +328,7 @@ def test_a_torn_record_is_completed_by_resuming(crosscheck: Any, finished_run: A
 def test_resuming_repeats_errors(crosscheck: Any, finished_run: Any, tmp_path: Path) -> None:
     line = json.loads((finished_run[0] / "record.jsonl").read_text().splitlines()[0])
     check, _, variant = CASE.rpartition("/")
-    changes = {"check": check, "variant": variant, "outcome": "error"}
+    changes = {"check": check, "variant": variant, "outcome": "error", "judgements": [], "worst": None}
     (tmp_path / "record.jsonl").write_text(json.dumps(line | changes) + "\n")
     done = crosscheck("run", CASE, "-e", "refimpl", "--resume", tmp_path)
     assert "[1/1] pass" in done.out

@@ -37,3 +37,10 @@ def test_failures_name_every_red_quantity_and_errors_their_message(printed: list
     assert "events/several/faulty [refimpl]: pressure; share of fast particles; a box of 1234 disks" in text
     assert "events/inelastic-collapse/hot [refimpl]: refimpl was killed by signal 11" in text
     assert "skipped 3: Mine: no lattice gases" in text
+
+
+def test_names_in_brackets_are_no_styles(tmp_path: Path) -> None:
+    console = Console(width=300, record=True, file=(tmp_path / "out").open("w", encoding="utf-8"))
+    lines = read(synthetic.write(tmp_path))
+    _print_table(console, [line | {"engine": "a[/b]\x1b.py:Class", "variant": "[red]"} for line in lines])
+    assert "events/several/[red] a[/b]\\x1b.py:Class" in " ".join(console.export_text().split())

@@ -7,17 +7,22 @@ import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from random import Random
 from typing import Any
 
+import hostile
 import pytest
 import synthetic
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from crosscheck.documents import PAGES, write
 from crosscheck.documents.markdown import COMMAND
 from crosscheck.documents.record_schema import record_schema
 from crosscheck.documents.scene_words import EXAMPLES, scene_words, unit_and_meaning
 from crosscheck.engines.refimpl import RefimplEngine
-from crosscheck.record import FILE, case_name, read, shown
+from crosscheck.record import FILE, SCHEMA, case_name, read, shown
+from crosscheck.record_form import check_form, parse
 from crosscheck.scene import Scene
 from crosscheck.scene.parts import INTERACTIONS
 from crosscheck.scene.tables import Table, tables
@@ -208,6 +213,20 @@ def test_the_schema_finds_faults(lines: list[dict[str, Any]], change: dict[str, 
     assert any(found.startswith(fault) for found in faults_of_line(lines[0] | change))
     without = {key: value for key, value in lines[0].items() if key not in change}
     assert faults_of_line(without) == [f"line: lacks {key}" for key in change]
+
+
+@given(random=st.randoms(use_true_random=True))
+@settings(max_examples=200, deadline=None)
+def test_what_is_read_from_a_damaged_record_follows_the_schema(random: Random, lines: Any) -> None:
+    """What `read` accepts is declared apart from the schema, which follows what is written."""
+    valid = tuple(text for text in (json.dumps(line).encode() for line in lines) if len(text) < 5000)
+    for text in hostile.record(random, valid).split(b"\n")[:-1]:
+        try:
+            line = parse(text.decode())
+            check_form(line, SCHEMA)
+        except ValueError:
+            continue
+        assert line["schema"] != SCHEMA or faults_of_line(line) == []
 
 
 def test_the_page_of_the_record_has_every_field() -> None:

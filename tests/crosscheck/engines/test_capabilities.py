@@ -60,7 +60,10 @@ SCENES = {
         ),
         (
             "lennard_jones",
-            {"lennard_jones": LennardJones(cutoff=2.5, epsilon=(1.0, 2.0), length=(1.0,), tail_corrections=True)},
+            {
+                "lennard_jones": LennardJones(cutoff=2.5, epsilon=(1.0, 2.0), length=(1.0,), tail_corrections=True),
+                "species": (0, 1),
+            },
             "dimension=2 lennard_jones.epsilon[] lennard_jones.length_form=sigma lennard_jones.truncation=truncated",
         ),
         (

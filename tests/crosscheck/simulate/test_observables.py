@@ -114,3 +114,14 @@ def test_the_table_of_observables_names_columns_and_says_what_they_are(tmp_path)
     text = write_observables(tmp_path / "o.csv", scene, EVENTS, result).read_text()
     assert "# momentum: sum of m v (unit: momentum)\n" in text
     assert "# collisions: number of collisions of pairs, since the start (unit: none)\n" in text
+
+
+def test_a_name_that_is_not_utf8_is_kept_in_the_comments(tmp_path):
+    """An engine in a file whose name holds a byte that is not UTF-8, or a line end."""
+    scene = disks(name="\u03c3")
+    run = fall(scene)
+    result = Result("e\udcff\n.py:Class", "1", run, observables(scene, run))
+    path = write_observables(tmp_path / "table.csv", scene, EVENTS, result)
+    comments = [line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("#")]
+    assert comments[1].startswith("# e\\udcff\\n.py:Class 1, event_driven")
+    assert np.loadtxt(path, delimiter=",", skiprows=len(comments) + 1).shape[0] == run["time"].size

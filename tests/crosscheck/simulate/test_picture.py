@@ -107,12 +107,13 @@ def test_open_sides_are_dashed_and_periodic_ones_are_not():
         assert sum(len(c.get_segments()) for c in axes.collections if isinstance(c, LineCollection)) == number
 
 
+@pytest.mark.filterwarnings("error")
 def test_names_are_drawn_as_they_are_written(tmp_path):
     """Between two "$" matplotlib would read mathematics, and stop at a command that it does not know."""
-    scene = disks(name="$\\foo$ <b> _^{")
+    scene = disks(name="\u6f22 $\\foo$ <b> _^{")
     run = fall(scene)
     results = [Result(f"$\\bar$ {which}\x1b.py:Class", "1", run, observables(scene, run)) for which in "ab"]
     draw_picture(tmp_path, scene, EVENTS, results, {"energy": np.ones(run["time"].size)})
-    texts = (tmp_path / "picture.svg").read_text()
-    assert "$\\foo$ &lt;b&gt; _^{: event_driven" in texts
+    texts = (tmp_path / "picture.svg").read_text(encoding="utf-8")
+    assert "\u6f22 $\\foo$ &lt;b&gt; _^{: event_driven" in texts
     assert "|$\\bar$ a\\x1b.py:Class - $\\bar$ b\\x1b.py:Class|" in texts
