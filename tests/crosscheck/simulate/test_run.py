@@ -55,7 +55,7 @@ def test_shipped_figure_eight_has_the_published_invariants():
 def test_damped_oscillator(tmp_path):
     paths = simulate("damped-oscillator", ["refimpl"], tmp_path)
     assert [path.name for path in paths] == [
-        "observables-refimpl.csv", "trajectory-refimpl.extxyz", "picture.png", "picture.svg",
+        "observables-refimpl.csv", "trajectory-refimpl.extxyz", "restart-refimpl.npz", "picture.png", "picture.svg",
     ]  # fmt: skip
     table = read_table(paths[0])
     assert list(table) == ["time", "kinetic_energy", "potential_energy", "total_energy", "temperature"]
@@ -148,7 +148,7 @@ def test_disks_that_meet(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(scene.to_toml())
     paths = simulate(path, ["refimpl"], tmp_path / "out")
-    assert [written.suffix for written in paths] == [".csv", ".extxyz", ".png", ".svg"]
+    assert [written.suffix for written in paths] == [".csv", ".extxyz", ".npz", ".png", ".svg"]
     table = read_table(paths[0])
     assert list(table) == ["time", "kinetic_energy", "temperature", "collisions"]
     assert table["collisions"].tolist()[::4] == [0, 1]
