@@ -69,13 +69,13 @@ def test_damped_oscillator(tmp_path):
     assert len(frames) == len(table["time"])
     assert frames[-1].positions[0, 0] == pytest.approx(-0.0280978, abs=1e-4)
     assert frames[0].get_velocities()[0, 0] == pytest.approx(-100 / 140, abs=1e-8)
-    assert paths[2].read_bytes()[:4] == b"\x89PNG"
+    assert paths[3].read_bytes()[:4] == b"\x89PNG"
 
 
 @pytest.mark.skipif(not lammps_available(), reason="needs the engine lammps")
 def test_two_engines_side_by_side(tmp_path):
     paths = simulate("damped-oscillator", ["refimpl", "lammps"], tmp_path)
-    assert len(paths) == 6
+    assert len(paths) == 7  # LAMMPS leaves no restart file
     ours, theirs = (read_table(tmp_path / f"observables-{engine}.csv") for engine in ("refimpl", "lammps"))
     assert ours["total_energy"] == pytest.approx(theirs["total_energy"], rel=1e-9)
     assert "|refimpl - lammps|" in paths[-1].read_text()
@@ -94,7 +94,7 @@ def test_a_scene_that_records_nothing_gives_a_picture(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(SCENE.to_toml() + '\n[method]\nscheme = "velocity_verlet"\ndt = 0.1\n')
     paths = simulate(path, ["refimpl"], tmp_path / "out")
-    assert [written.name for written in paths] == ["picture.png", "picture.svg"]
+    assert [written.name for written in paths] == ["restart-refimpl.npz", "picture.png", "picture.svg"]
 
 
 def test_without_method_it_says_what_to_add(tmp_path):
