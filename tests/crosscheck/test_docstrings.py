@@ -21,10 +21,15 @@ import pytest
 from pydantic import BaseModel
 
 import crosscheck
-from crosscheck.engines.protocol import Engine
+from crosscheck.engines.protocol import Engine, Restartable
 
 #: Methods that every engine has, documented once, in the protocol.
-OF_ENGINES = {name: member.__doc__ or "" for name, member in vars(Engine).items() if inspect.isfunction(member)}
+OF_ENGINES = {
+    name: member.__doc__ or ""
+    for protocol in (Engine, Restartable)
+    for name, member in vars(protocol).items()
+    if inspect.isfunction(member)
+}
 MODULES = tuple(module.name for module in pkgutil.walk_packages(crosscheck.__path__, "crosscheck."))
 
 

@@ -117,6 +117,7 @@ def gas(scheme: str, **more: Any) -> tuple[Scene, Method]:
 SCENES = {
     **{scheme: oscillators(scheme) for scheme in ("verlet", "beeman", "gear5")},
     "fluid": fluid(),
+    "fluid without a trajectory": fluid(output=Output(interval=0.125, observables=(*ENERGIES, "virial"), forces=True)),
     "disks": disks(),
     "disks counted": disks(duration=1e3, output=Output(collisions=(20, 40, 60, 80), observables=("kinetic_energy",))),
     "soft": soft(),

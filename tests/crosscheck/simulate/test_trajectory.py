@@ -100,6 +100,16 @@ def test_a_scene_starts_from_the_last_frame_with_the_same_bits(tmp_path):
     assert np.abs(state.positions).max() < 1e-8
 
 
+def test_grains_in_a_plane_start_from_their_trajectory(tmp_path):
+    scene = disks(hard_spheres=HardSpheres(friction=GrainFriction(tangential_restitution=0.0)))
+    write_trajectories(tmp_path, "free", scene, fall(scene, angular_velocities=np.full((3, 3, 1), 0.1)))
+    file = File(kind="file", path="trajectory-free.extxyz")
+    (tmp_path / "scene.toml").write_text(scene.model_copy(update={"initial": file}).to_toml())
+    state = Scene.load(tmp_path / "scene.toml").initial_state()
+    assert bits(state.positions) == bits(fall(scene)["final_positions"])
+    assert state.angular_velocities.tolist() == [[0.1]] * 3
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
