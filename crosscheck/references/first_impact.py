@@ -2,6 +2,9 @@
 
 Decimal arithmetic of 60 digits, rounded once at the end: of use where double precision is what is judged. Lengths and
 times in any consistent units.
+
+Literature: B. J. Alder and T. E. Wainwright, J. Chem. Phys. 31, 459 (1959), the quadratic equation of a contact; the
+rest is derived in the docstrings.
 """
 
 from __future__ import annotations
@@ -22,7 +25,7 @@ _DIGITS = 60
 
 @dataclass(frozen=True)
 class Impact:
-    """A contact: time, and the unit vector from the first sphere to the second one, (d,)."""
+    """A contact. time: from the start. normal: (d,) unit vector from the first sphere to the second one."""
 
     time: float
     normal: Floats

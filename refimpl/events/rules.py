@@ -7,8 +7,9 @@ to j, or from the particle to the wall. gn: relative normal velocity (v_j - v_i)
 records of `refimpl.events.model`, or None. mass: of every particle. inverse_masses: (N,), or None where all are alike;
 0 for a fixed particle. bonds: see `refimpl.events.prediction`. recent: whether the TC model makes this collision
 elastic. alpha: coefficient of normal restitution. face: 2 axis + (0 for the lower, 1 for the upper wall). now: the
-time, on the clock of the walls' phases. seed, count: of random walls, and collisions of the particle so far. Units: any
-consistent set. `spins`, `bonds` and `seed` are typed Any: numba prunes by `rough`, `well` and the kind of wall.
+time, on the clock of the walls' phases. seed, count: of random walls, and hits on walls of the particle so far.
+Units: any consistent set. `spins`, `bonds` and `seed` are typed Any: numba prunes by `rough`, `well` and the kind of
+wall.
 
 Literature: J. T. Jenkins and M. W. Richman, Phys. Fluids 28, 3485 (1985); O. R. Walton, in Particulate Two-Phase Flow
 (ed. M. C. Roco), 884 (1993); S. F. Foerster et al., Phys. Fluids 6, 1108 (1994) (friction); S. Luding and S. McNamara,
@@ -55,7 +56,7 @@ _S11 = np.uint64(11)
 def random_uniform(seed: Any, particle: int, count: int, draw: int) -> float:
     """Uniform in (0, 1), a function of its arguments alone: no order of events, no scheduler enters.
 
-    The hash of `refimpl.random_bits` of the seed (uint64), the particle, its collision count and the draw.
+    The hash of `refimpl.random_bits` of the seed (uint64), the particle, its hits on walls so far and the draw.
     """
     z = mix64(np.uint64(seed) + np.uint64(particle + 1) * GAMMA)
     z = mix64(z + np.uint64(count + 1) * GAMMA)

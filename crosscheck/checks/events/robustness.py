@@ -315,8 +315,8 @@ CHECKS = (
                 Fault(
                     "clock-in-single-steps",
                     "events/simulation.py",
-                    "            self._base = _two_sum(*self._base, shift)",
-                    "            self._base = (self._base[0] + shift * (1 + 1e-12), 0.0)",
+                    "        self._base = two_sum(*self._base, shift)",
+                    "        self._base = (self._base[0] + shift * (1 + 1e-12), 0.0)",
                     "the base of the clock runs ahead by a part in 1e12",
                 ),
             ),

@@ -267,7 +267,7 @@ def bare_pair_time(b: float, c: float, w: float) -> float:
 )
 @example(gap=1e-12, aim=0.0, speed=1e-9)
 def test_pair_time_is_the_exact_root_to_rounding(gap: float, aim: float, speed: float) -> None:
-    """Touching, grazing (impact parameter `aim` close to 1), nearly equal velocities; far: test_precision.py."""
+    """Touching, grazing (impact parameter `aim` close to 1), nearly equal velocities; `_precision` has far ones."""
     r = 1.0 + gap
     c, w = gap * (2.0 + gap), speed * speed
     b = -speed * math.sqrt(max(r * r - aim * aim, 0.0))

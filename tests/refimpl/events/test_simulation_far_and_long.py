@@ -246,7 +246,7 @@ def test_a_ring_of_beads_meets_at_one_time(kind: Any) -> None:
         assert ring_of_24.simultaneous.number >= 23
         assert ring_of_24.simultaneous.first == pytest.approx(0.9, abs=1e-13)
         ends.append(ring_of_24.state().velocities[0])
-    assert np.abs(np.subtract(*ends)).max() > 0.1
+    assert np.abs(np.subtract(*ends)).max() > 0.01
 
 
 def test_pairs_that_meet_at_one_time_share_nothing() -> None:
