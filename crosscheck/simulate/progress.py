@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Iterator
@@ -59,21 +58,20 @@ def left(share: float, elapsed: float) -> str:
 
 
 @contextmanager
-def shown(engine: str) -> Iterator[Path]:
-    """Shows the progress of a run on stderr during the `with` block; yields the file to which it is reported.
+def shown(engine: str, file: Path) -> Iterator[None]:
+    """Shows the progress of a run on stderr during the `with` block.
 
-    engine: its label.
+    engine: its label. file: that to which the progress is reported; it need not be there yet.
     """
-    with tempfile.TemporaryDirectory(prefix="crosscheck-progress-") as directory:
-        file, over = Path(directory) / "progress", threading.Event()
-        on_terminal = sys.stderr is not None and sys.stderr.isatty()
-        watch = threading.Thread(target=_bar if on_terminal else _lines, args=(engine, file, over), daemon=True)
-        watch.start()
-        try:
-            yield file
-        finally:
-            over.set()
-            watch.join()
+    over = threading.Event()
+    on_terminal = sys.stderr is not None and sys.stderr.isatty()
+    watch = threading.Thread(target=_bar if on_terminal else _lines, args=(engine, file, over), daemon=True)
+    watch.start()
+    try:
+        yield
+    finally:
+        over.set()
+        watch.join()
 
 
 def _lines(engine: str, file: Path, over: threading.Event) -> None:

@@ -187,14 +187,15 @@ def _run_all(
     pool = Pool(time_limit=time_limit)
     try:
         for engine in engines:
-            with shown(labels[engine]):
+            with shown(labels[engine], pool.worker(engine).progress):
                 versions[engine] = _version(scene, method, engine, pool)
             if before is not None:
                 check_version(before, versions[engine])
         for engine in engines:
             try:
-                with shown(labels[engine]) as progress:
-                    run = pool.worker(engine).run(scene, method, progress, restart, states[engine])
+                worker = pool.worker(engine)
+                with shown(labels[engine], worker.progress):
+                    run = worker.run(scene, method, worker.progress, restart, states[engine])
             except EngineError as error:
                 failures.append(str(error))
                 continue

@@ -94,7 +94,7 @@ def _oscillator_floor(scheme: str, steps: float) -> float:
 _EVALUATIONS = Fault(
     "evaluations-of-the-start",
     "stepping/integrate.py",
-    "evaluations=table.start_evaluations + done * table.evaluations",
+    "evaluations=starts * table.start_evaluations + done * table.evaluations",
     "evaluations=done * table.evaluations",
     "the evaluations of the start are not counted",
 )

@@ -60,8 +60,8 @@ CHECKS = (
                 Fault(
                     "kinetic-energy-1-percent",
                     "stepping/forces/lennard_jones.py",
-                    "    return 0.5 * np.sum(v * v)",
-                    "    return 0.505 * np.sum(v * v)",
+                    "    return 0.5 * sum_of_squares(v)",
+                    "    return 0.505 * sum_of_squares(v)",
                     "the kinetic energy is 1 % too large",
                 ),
             ),

@@ -248,6 +248,11 @@ class Worker:
         return f"was killed by signal {-code}" if code < 0 else f"ended with exit status {code}"
 
     @property
+    def progress(self) -> Path:
+        """A file for the progress of a run, beside the other files of this worker, with which it is removed."""
+        return Path(self._directory.name) / "progress"
+
+    @property
     def _log(self) -> Path:
         return Path(self._directory.name) / "log"
 

@@ -41,9 +41,11 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
         return {"version": border.version(engine.version())}
     scene = Scene.from_json(request["scene"])
     method = resolved(scene, Method.model_validate_json(request["method"]))
-    refuse_large_run(scene, method)
     wanted = _without_derived(scene)
-    reason = refusal(engine, wanted, method) or border.reason(engine.supports(wanted, method))
+    reason = refusal(engine, wanted, method)
+    if reason is None:
+        refuse_large_run(scene, method)
+        reason = border.reason(engine.supports(wanted, method))
     if request["call"] == "supports":
         return {"reason": reason}
     if reason is not None:

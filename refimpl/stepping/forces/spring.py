@@ -15,7 +15,7 @@ from refimpl.stepping.forces.generic import (
     potential_energy,
     virial,
 )
-from refimpl.stepping.kernels.sums import sum_of_squares
+from refimpl.stepping.kernels.sums import sum_in_order, sum_of_squares
 
 
 class Spring(NamedTuple):
@@ -73,7 +73,7 @@ def _virial(force: Spring, r: np.ndarray) -> float:
 
 @implements(kinetic_energy, Spring)
 def _kinetic_energy(force: Spring, v: np.ndarray) -> float:
-    return 0.5 * np.sum(force.mass * (v * v))
+    return 0.5 * sum_in_order(force.mass * (v * v))
 
 
 @register_jitable

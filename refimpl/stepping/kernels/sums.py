@@ -13,3 +13,12 @@ def sum_of_squares(x: np.ndarray) -> float:
     for value in x:
         total += value * value
     return total
+
+
+@njit(cache=True, error_model="numpy")
+def sum_in_order(x: np.ndarray) -> float:
+    """The sum of the array `x`, added up in its order."""
+    total = 0.0
+    for value in x:
+        total += value
+    return total

@@ -168,7 +168,7 @@ def test_arrays_that_do_not_fit(tmp_path: Path, arrays: dict[str, Any], message:
 
 def test_files_that_are_none(tmp_path: Path) -> None:
     table = changed(BOXED, "initial", {"kind": "file", "path": "."})
-    with pytest.raises(UsageError, match="cannot be read as a configuration .it is a directory"):
+    with pytest.raises(UsageError, match=r"cannot be read as a configuration \(it is a directory\)"):
         load(tmp_path, table)
 
 

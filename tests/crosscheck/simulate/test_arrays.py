@@ -191,4 +191,4 @@ def test_observables_in_files_read_back(tmp_path):
 
 def test_a_name_with_line_breaks_stays_a_comment(tmp_path):
     path = write_csv(tmp_path / "t.csv", ["one\ntime,energy\r\n1,2"], {"time": np.zeros(1)})
-    assert path.read_text().splitlines() == ["# one time,energy 1,2", "time", "0.0"]
+    assert path.read_text().splitlines() == ["# one\\ntime,energy\\r\\n1,2", "time", "0.0"]

@@ -24,8 +24,9 @@ def test_lines_on_the_share_done_become_rare():
     assert lines.line(2000.0, "running", 0.5) == "refimpl: 50.000% done, about 33.3 minutes left"
 
 
-def test_a_short_run_says_nothing(capfd):
-    with shown("refimpl") as file:
+def test_a_short_run_says_nothing(capfd, tmp_path):
+    file = tmp_path / "progress"
+    with shown("refimpl", file):
         file.write_text("running\n0.5\n")
     assert capfd.readouterr().err == ""
 

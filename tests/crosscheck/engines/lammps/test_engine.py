@@ -299,10 +299,10 @@ class Engine(LammpsEngine):
     def run(self, scene, method):
         if method.dt == 0.1:
             particles._lennard_jones = lambda *_: ["pair_style no/such/style 2.5"]
-        if method.dt == 0.2:
+        if method.dt == 0.05:
             instance.load().lammps(cmdargs=["-log", "none"])
             ctypes.CDLL(None).MPI_Abort(0x44000000, 3)  # MPICH's MPI_COMM_WORLD
-        if method.dt == 0.4:
+        if method.dt == 0.025:
             instance._MPI = "libmpi.so.of-nowhere"
         return super().run(scene, method)
 """
@@ -313,13 +313,13 @@ def test_errors_aborts_and_no_mpi(tmp_path: Path) -> None:
     file.write_text(BROKEN)
     worker = Worker(f"{file}:Engine", time_limit=60)
     with pytest.raises(EngineError, match=r"ended with exit status 3(.|\n)*application called MPI_Abort"):
-        worker.run(fluid(), Method(scheme="velocity_verlet", dt=0.2))
+        worker.run(fluid(), Method(scheme="velocity_verlet", dt=0.05))
     assert not worker.run(fluid(), STEP).diverged
     with pytest.raises(EngineError, match="ERROR: Unrecognized pair style 'no/such/style'"):
         worker.run(fluid(), Method(scheme="velocity_verlet", dt=0.1))
     assert not worker.run(oscillator(), STEP).diverged
     with pytest.raises(EngineMissing, match="no MPI library for LAMMPS: pip install mpich"):
-        worker.run(fluid(), Method(scheme="velocity_verlet", dt=0.4))
+        worker.run(fluid(), Method(scheme="velocity_verlet", dt=0.025))
     worker.close()
 
 

@@ -55,7 +55,7 @@ def counted(sites: np.ndarray, channels: int, across: int, down: int) -> np.ndar
     rows, columns = sites.shape
     found = np.zeros((across, down, channels))
     for row, column in np.ndindex(rows, columns):
-        bits = sites[row, column] >> np.arange(channels) & 1
+        bits = int(sites[row, column]) >> np.arange(channels) & 1
         found[column * across // columns, row * down // rows] += bits
     return found
 
