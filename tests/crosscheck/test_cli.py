@@ -557,7 +557,7 @@ def only(monkeypatch: pytest.MonkeyPatch, *faults: tuple[str, Fault]) -> None:
     """Leaves one check, with other faults."""
     (check,) = (check for check in all_checks() if check.name == "stepping/oscillator-exact")
     checks = (replace(check, faults=faults),)
-    monkeypatch.setattr(commands, "all_checks", lambda: checks)
+    monkeypatch.setattr(commands.proving, "all_checks", lambda: checks)
     monkeypatch.setattr(runner, "all_checks", lambda: checks)
 
 

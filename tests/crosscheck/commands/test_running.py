@@ -8,14 +8,14 @@ import pytest
 import synthetic
 from rich.console import Console
 
-from crosscheck.commands import _print_table
+from crosscheck.commands.running import print_table
 from crosscheck.record import read
 
 
 @pytest.fixture
 def printed(tmp_path: Path) -> list[list[str]]:
     console = Console(width=300, record=True, quiet=False, file=(tmp_path / "out").open("w", encoding="utf-8"))
-    _print_table(console, read(synthetic.write(tmp_path)))
+    print_table(console, read(synthetic.write(tmp_path)))
     return [line.split() for line in console.export_text().splitlines()]
 
 
@@ -42,5 +42,5 @@ def test_failures_name_every_red_quantity_and_errors_their_message(printed: list
 def test_names_in_brackets_are_no_styles(tmp_path: Path) -> None:
     console = Console(width=300, record=True, file=(tmp_path / "out").open("w", encoding="utf-8"))
     lines = read(synthetic.write(tmp_path))
-    _print_table(console, [line | {"engine": "a[/b]\x1b.py:Class", "variant": "[red]"} for line in lines])
+    print_table(console, [line | {"engine": "a[/b]\x1b.py:Class", "variant": "[red]"} for line in lines])
     assert "events/several/[red] a[/b]\\x1b.py:Class" in " ".join(console.export_text().split())

@@ -1,146 +1,28 @@
-"""The commands of the command line: what each does and prints. `cli` has their options."""
+"""The command `run`: cases, record, report, and the exit status."""
 
 from __future__ import annotations
 
-import json
-import os
 import shlex
 import sys
-import tempfile
 import time
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from crosscheck import runner, status
 from crosscheck.checks import all_checks
-from crosscheck.checks.base import Check, Variant
+from crosscheck.commands.console import COLOURS, plain, say_if_torn, that_pay, wide_console
 from crosscheck.directory import locked
-from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
-from crosscheck.faults import Fault
-from crosscheck.files import naming, refuse_no_directory, refuse_unwritable
-from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_torn, provenance, read, shown
-from crosscheck.text import printable
+from crosscheck.files import refuse_no_directory, refuse_unwritable
+from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read, shown
 from crosscheck.verdict import Verdict
-
-_COLOURS = {
-    "pass": "green",
-    "fail": "bold red",
-    "error": "bold magenta",
-    "inconclusive": "yellow",
-    "skip": "dim",
-}
-
-
-def _console() -> Console:
-    # at least 140 columns: in a narrow terminal, wrapped lines are easier to read than names folded within columns; a
-    # pipe has no width
-    console = Console()
-    return Console(width=max(console.width, 140) if sys.stdout.isatty() else 200)
-
-
-def _plain(text: str) -> str:
-    """The text for a table, in which rich would read words in square brackets as styles."""
-    return escape(printable(text))
-
-
-def _variants_by_engine(check: Check) -> dict[str, tuple[Variant, ...]]:
-    """The variants of a check, by name of those installed engines that it judges."""
-    offers = {name: runner.judging(check, name, engine_class(name)) for name in engine_names()}
-    return {name: variants for name, variants in offers.items() if variants}
-
-
-def list_checks(as_json: bool) -> None:
-    """Prints every check with its engines, the number of its variants in each tier, and its title.
-
-    as_json: print all variants and faults, as JSON, instead of a table.
-    """
-    rows = []
-    for check in all_checks():
-        offers = _variants_by_engine(check)
-        rows.append(
-            {
-                "check": check.name,
-                "title": check.title,
-                "engines": list(offers),
-                "variants": {
-                    engine: [{"name": one.name, "tier": one.tier} for one in variants]
-                    for engine, variants in offers.items()
-                },
-                "faults": [fault.name for _, fault in check.faults],
-            }
-        )
-    if as_json:
-        print(json.dumps(rows, indent=2))
-        return
-    table = Table("check", "engines", "quick", "full", "measures", box=None, pad_edge=False)
-    for check in all_checks():
-        offers = _variants_by_engine(check)
-        tiers = Counter({one.name: one.tier for variants in offers.values() for one in variants}.values())
-        counts = [str(tiers[tier]) if tiers[tier] else "" for tier in ("quick", "full")]
-        table.add_row(check.name, " ".join(offers), *counts, check.title)
-    _console().print(table)
-
-
-def show(name: str) -> None:
-    """Prints equation, criterion, needs, variants and planted faults of a check.
-
-    name: of a check, or of a case. UsageError if there is no such check.
-    """
-    check = runner.find(name)
-    console = _console()
-    console.print(f"[bold]{check.name}[/bold]", highlight=False)
-    for label, text in (
-        ("measures", check.title),
-        ("equation", check.equation),
-        ("criterion", check.criterion),
-        ("citation", check.citation),
-        ("needs", "; ".join(_needs_as_text(one) for one in check.all_needs)),
-    ):
-        console.print(f"  {label:<10} {text}", highlight=False, markup=False)
-    for engine, variants in _variants_by_engine(check).items():
-        for tier in ("quick", "full"):
-            names = [one.name for one in variants if one.tier == tier]
-            if names:
-                console.print(f"  {tier:<10} {engine}: {', '.join(names)}", highlight=False, markup=False)
-    for variant, fault in check.faults:
-        text = f"  {'fault':<10} {fault.name} (seen by {variant}): {fault.breaks}"
-        console.print(text, highlight=False, markup=False)
-
-
-def _needs_as_text(needs: Needs) -> str:
-    """What a check asks of an engine, as "[gravity] by stepping schemes, masses[], virial"."""
-    kinds = f"[{needs.interaction}] by {' or '.join(needs.kinds)} schemes"
-    return ", ".join([kinds, *needs.schemes, *sorted(needs.words), *sorted(needs.observables), *needs.promises])
-
-
-def engines() -> None:
-    """Prints each installed engine with its version, or the reason why it cannot run on this machine."""
-    table = Table("engine", "state", "version or reason", "schemes", box=None, pad_edge=False)
-    for name in engine_names():
-        worker = Worker(name, time_limit=120)
-        try:
-            state, text = "found", worker.version()
-        except (EngineMissing, EngineError) as error:
-            state, text = "missing", str(error).splitlines()[0]
-        finally:
-            worker.close()
-        table.add_row(name, state, _plain(text), " ".join(engine_class(name).schemes))
-    _console().print(table)
-
-
-# -- run -------------------------------------------------------------------------------------------
 
 
 class _Display:
@@ -232,7 +114,7 @@ def run(
             return told.unjudged([], status.unjudged([], []))
         record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
         started = time.perf_counter()
-        own, interruption = _judged(left, seed, _that_pay(jobs, len(left)), record, time_limit)
+        own, interruption = _judged(left, seed, that_pay(jobs, len(left)), record, time_limit)
         lines = list((before | own).values())
         if interruption is not None:
             return told.interrupted(lines, len(left), directory, interruption)
@@ -246,7 +128,7 @@ def _refuse_unwritable_results(directory: Path, resumed: Path | None, junit: Pat
 
     if resumed is not None:
         read(resumed)
-        _say_if_torn(resumed)
+        say_if_torn(resumed)
     refuse_no_directory(directory, "the record")
     for path in (directory / FILE, directory / REPORT, *([] if junit is None else [junit])):
         refuse_unwritable(path)
@@ -329,13 +211,13 @@ class _Telling:
         """
         from crosscheck.report.html import write_report
 
-        console = _console()
-        _print_table(console, lines)
+        console = wide_console()
+        print_table(console, lines)
         for name in named:
             print(_share_of_checks(name))
         report_path = write_report(directory)
         counts = Counter(line["outcome"] for line in lines)
-        summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in _COLOURS if counts[outcome])
+        summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in COLOURS if counts[outcome])
         console.print(f"{summary} in {seconds:.0f} s; report: {report_path}", highlight=False, soft_wrap=True)
         reasons = status.unjudged(lines, expected)
         result = status.of(lines, reasons, self._allow_inconclusive)
@@ -355,18 +237,6 @@ class _Telling:
             write_junit(lines, self._junit, reasons, self._allow_inconclusive)
 
 
-def _that_pay(jobs: int | None, things: int) -> int:
-    """How many of so many things to do at a time: no more than there are, nor than cores; says so if it was asked more.
-
-    jobs: as asked; None: one per core.
-    """
-    cores = len(os.sched_getaffinity(0))
-    most = max(1, min(cores, things))
-    if jobs is not None and jobs > most:
-        print(f"crosscheck: --jobs {jobs}: {most} at a time, for there are {things} to do on {cores} cores", flush=True)
-    return min(jobs or most, most)
-
-
 def _share_of_checks(name: str) -> str:
     """How many checks judge the engine of this name: what the others measured of it is nothing, and not green."""
     checks = all_checks()
@@ -375,7 +245,11 @@ def _share_of_checks(name: str) -> str:
     return f"{name}: {matched} checks match what it declares, {rest} need more and say nothing of it (docs/engines.md)"
 
 
-def _print_table(console: Console, lines: list[Line]) -> None:
+def print_table(console: Console, lines: list[Line]) -> None:
+    """Prints a row for each case, worst last, and what is to be said of those that were skipped or red.
+
+    console: where to. lines: of the record.
+    """
     from crosscheck.report import numbers
 
     table = Table(box=None, pad_edge=False)
@@ -390,11 +264,11 @@ def _print_table(console: Console, lines: list[Line]) -> None:
         values = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
         outcome = line["outcome"]
         table.add_row(
-            _plain(case_name(line)),
-            _plain(line["engine"]),
+            plain(case_name(line)),
+            plain(line["engine"]),
             *("" if found is None else value(found) for value in values),
             numbers.seconds(line["cost"].get("seconds")),
-            f"[{_COLOURS[outcome]}]{outcome}[/]",
+            f"[{COLOURS[outcome]}]{outcome}[/]",
         )
     console.print(table)
     reasons = Counter(line["message"] for line in lines if line["outcome"] == "skip")
@@ -404,113 +278,4 @@ def _print_table(console: Console, lines: list[Line]) -> None:
         if line["outcome"] in ("fail", "error"):
             parts = [*(one["quantity"] for one in deciding(line)), line["note"], line["message"]]
             text = f"{case_name(line)} [{line['engine']}]: {'; '.join(filter(None, parts))}"
-            console.print(text, style=_COLOURS[line["outcome"]], highlight=False, markup=False, soft_wrap=True)
-
-
-def report(directory: Path) -> None:
-    """Writes the report of a finished or interrupted run. directory: of the run. UsageError if it has no record."""
-    from crosscheck.report.html import write_report
-
-    _say_if_torn(directory)
-    print(write_report(directory))
-
-
-def _say_if_torn(directory: Path) -> None:
-    if is_torn(directory):
-        print(f"crosscheck: {directory / FILE}: its last line is incomplete, and does not count", file=sys.stderr)
-
-
-def simulate(
-    scene: Path, engine_list: list[str], out: Path, time_limit: float = TIME_LIMIT, restart: Path | None = None
-) -> int:
-    """Runs a scene, prints how the runs went and the paths of the files written; returns the exit status.
-
-    scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
-    files. time_limit: seconds that one call of an engine may take. restart: a restart file to go on from; None: none.
-    The status is 1 if a run diverged, stopped before its end, or failed, else 0. UsageError: see
-    `crosscheck.simulate.run.simulate`, and if another run is writing there.
-    """
-    from crosscheck.simulate.run import simulate as simulate_scene
-    from crosscheck.simulate.summary import LEVELS
-
-    refuse_no_directory(out, "the files")
-    with locked(out), naming(out):
-        done = simulate_scene(scene, engine_list, out, time_limit, restart)
-    console = _console()
-    table = Table(box=None, pad_edge=False)
-    for title in ("engine", "method"):
-        table.add_column(title, overflow="fold")
-    for title in ("work", "CPU", "per second", "cost", "energy", "momentum"):
-        table.add_column(title, justify="right", overflow="fold")
-    table.add_column("end", no_wrap=True)
-    for row in done.rows:
-        end = row.end if row.end == "whole" else f"[{_COLOURS['fail']}]{row.end}[/]"
-        table.add_row(
-            *map(escape, (row.engine, row.method, row.work, f"{row.cpu:.3g} s", f"{row.speed:.3g}", row.each)),
-            *map(escape, (row.energy, row.momentum)),
-            end,
-        )
-    console.print(table, highlight=False)
-    if done.differences:
-        table = Table(box=None, pad_edge=False)
-        for title in ("difference of", "quantity", "largest", "relative to"):
-            table.add_column(title, overflow="fold")
-        for level in LEVELS:
-            table.add_column(f"passed {level:g}", justify="right")
-        for one in done.differences:
-            times = ("never" if time is None else f"t = {time:g}" for time in one.passed)
-            table.add_row(*map(escape, (" - ".join(one.engines), one.what, f"{one.largest:.2e}", one.unit)), *times)
-        console.print(table, highlight=False)
-    for text in (*done.endings, *done.remarks, *done.failures):
-        print(text, file=sys.stdout if done.whole else sys.stderr)
-    for path in done.paths:
-        print(path)
-    return 0 if done.whole else 1
-
-
-# -- prove -----------------------------------------------------------------------------------------
-
-
-def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = TIME_LIMIT) -> int:
-    """Runs checks with their planted faults, and prints a line for each; returns the exit status.
-
-    patterns: shell patterns of names of checks or of `check/variant`; none: all. jobs: faults at a time; None: one per
-    core. seed: the suite's seed. time_limit: seconds that one call of an engine may take. The status is 0 if every
-    fault turns its check red, else 1. UsageError if a pattern matches no check with a fault, or the text that a fault
-    replaces is not there.
-    """
-
-    def matches(pattern: str, check: Check, variant: str) -> bool:
-        return fnmatchcase(check.name, pattern) or fnmatchcase(f"{check.name}/{variant}", pattern)
-
-    planted = [
-        (check, variant, fault)
-        for check in all_checks()
-        for variant, fault in check.faults
-        if not patterns or any(matches(pattern, check, variant) for pattern in patterns)
-    ]
-    for pattern in patterns:
-        if not any(matches(pattern, check, variant) for check, variant, _ in planted):
-            raise UsageError(f"no check matches {pattern}; see `crosscheck list`")
-    undetected = 0
-    with ThreadPoolExecutor(_that_pay(jobs, len(planted))) as pool:
-        results = pool.map(lambda item: _prove_one(*item, seed=seed, time_limit=time_limit), planted)
-        for (check, variant, fault), verdict in zip(planted, results, strict=True):
-            red = verdict.outcome == "fail"
-            undetected += not red
-            state = "red" if red else f"NOT RED ({verdict.outcome})"
-            print(f"{state:<16} {check.name}/{variant}  {fault.name}: {fault.breaks}", flush=True)
-            if verdict.message:
-                print(f"    {verdict.message}")
-    runner.close_pools()
-    print(f"{len(planted) - undetected} of {len(planted)} planted faults turned their check red")
-    return 1 if undetected else 0
-
-
-def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int, time_limit: float) -> Verdict:
-    with tempfile.TemporaryDirectory(prefix="crosscheck-fault-") as directory:
-        overlay = Path(directory)
-        fault.apply(overlay)
-        case = runner.Case(check.name, variant, "refimpl", check.timing)
-        verdict = runner.judge(case, seed, overlay, time_limit)
-    return replace(verdict, cost={})
+            console.print(text, style=COLOURS[line["outcome"]], highlight=False, markup=False, soft_wrap=True)

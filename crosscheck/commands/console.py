@@ -1,0 +1,53 @@
+"""What several commands print, and how."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+
+from crosscheck.record import FILE, is_torn
+from crosscheck.text import printable
+
+#: Of outcomes in tables.
+COLOURS = {
+    "pass": "green",
+    "fail": "bold red",
+    "error": "bold magenta",
+    "inconclusive": "yellow",
+    "skip": "dim",
+}
+
+
+def wide_console() -> Console:
+    """The console, wide enough for tables."""
+    # at least 140 columns: in a narrow terminal, wrapped lines are easier to read than names folded within columns; a
+    # pipe has no width
+    console = Console()
+    return Console(width=max(console.width, 140) if sys.stdout.isatty() else 200)
+
+
+def plain(text: str) -> str:
+    """The text for a table, in which rich would read words in square brackets as styles."""
+    return escape(printable(text))
+
+
+def that_pay(jobs: int | None, things: int) -> int:
+    """How many of so many things to do at a time: no more than there are, nor than cores; says so if it was asked more.
+
+    jobs: as asked; None: one per core.
+    """
+    cores = len(os.sched_getaffinity(0))
+    most = max(1, min(cores, things))
+    if jobs is not None and jobs > most:
+        print(f"crosscheck: --jobs {jobs}: {most} at a time, for there are {things} to do on {cores} cores", flush=True)
+    return min(jobs or most, most)
+
+
+def say_if_torn(directory: Path) -> None:
+    """Says on stderr if the record in `directory` ends in the middle of a line."""
+    if is_torn(directory):
+        print(f"crosscheck: {directory / FILE}: its last line is incomplete, and does not count", file=sys.stderr)

@@ -1,0 +1,63 @@
+"""The command `prove`: checks with their planted faults."""
+
+from __future__ import annotations
+
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from crosscheck import runner
+from crosscheck.checks import all_checks
+from crosscheck.checks.base import Check
+from crosscheck.commands.console import that_pay
+from crosscheck.engines.workers.ending import TIME_LIMIT
+from crosscheck.errors import UsageError
+from crosscheck.faults import Fault
+from crosscheck.verdict import Verdict
+
+
+def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = TIME_LIMIT) -> int:
+    """Runs checks with their planted faults, and prints a line for each; returns the exit status.
+
+    patterns: shell patterns of names of checks or of `check/variant`; none: all. jobs: faults at a time; None: one per
+    core. seed: the suite's seed. time_limit: seconds that one call of an engine may take. The status is 0 if every
+    fault turns its check red, else 1. UsageError if a pattern matches no check with a fault, or the text that a fault
+    replaces is not there.
+    """
+
+    def matches(pattern: str, check: Check, variant: str) -> bool:
+        return fnmatchcase(check.name, pattern) or fnmatchcase(f"{check.name}/{variant}", pattern)
+
+    planted = [
+        (check, variant, fault)
+        for check in all_checks()
+        for variant, fault in check.faults
+        if not patterns or any(matches(pattern, check, variant) for pattern in patterns)
+    ]
+    for pattern in patterns:
+        if not any(matches(pattern, check, variant) for check, variant, _ in planted):
+            raise UsageError(f"no check matches {pattern}; see `crosscheck list`")
+    undetected = 0
+    with ThreadPoolExecutor(that_pay(jobs, len(planted))) as pool:
+        results = pool.map(lambda item: _prove_one(*item, seed=seed, time_limit=time_limit), planted)
+        for (check, variant, fault), verdict in zip(planted, results, strict=True):
+            red = verdict.outcome == "fail"
+            undetected += not red
+            state = "red" if red else f"NOT RED ({verdict.outcome})"
+            print(f"{state:<16} {check.name}/{variant}  {fault.name}: {fault.breaks}", flush=True)
+            if verdict.message:
+                print(f"    {verdict.message}")
+    runner.close_pools()
+    print(f"{len(planted) - undetected} of {len(planted)} planted faults turned their check red")
+    return 1 if undetected else 0
+
+
+def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int, time_limit: float) -> Verdict:
+    with tempfile.TemporaryDirectory(prefix="crosscheck-fault-") as directory:
+        overlay = Path(directory)
+        fault.apply(overlay)
+        case = runner.Case(check.name, variant, "refimpl", check.timing)
+        verdict = runner.judge(case, seed, overlay, time_limit)
+    return replace(verdict, cost={})
