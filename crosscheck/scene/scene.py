@@ -293,11 +293,15 @@ class Scene(SceneEntries):
         return initial_occupations(self)
 
     def check_start(self) -> None:
-        """UsageError if there is no initial state: see `initial_sites` and `initial_state`."""
+        """UsageError if there is no initial state: see `initial_sites` and `own_start`."""
         if self.lattice_gas is not None:
             self.initial_sites()
         else:
-            self.initial_state()
+            self.own_start()
+
+    def own_start(self) -> State:
+        """The initial state for the scene's own method, which may allow contacts: see `initial_state`."""
+        return self.initial_state(None if self.method is None else self.method.contact)
 
     def wall_rules(self) -> NDArray[np.uint8] | None:
         """Rules of the wall sites of a lattice gas, (rows, columns), the constants of `refimpl.lattice.gas`.

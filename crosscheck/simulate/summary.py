@@ -173,7 +173,7 @@ def _momentum(scene: Scene, run: Run) -> str:
     """The change of the total momentum from start to end, relative to the sum of m |v| at the start."""
     if scene.lattice_gas is not None or "final_velocities" not in run:
         return "-"
-    state = scene.initial_state()
+    state = scene.own_start()
     free = ~scene.fixed()
     start = run["velocities"][0] if "velocities" in run else state.velocities
     masses, before, after = state.masses[free], start[free], run["final_velocities"][free]
@@ -244,7 +244,7 @@ def _length(scene: Scene) -> tuple[float, str]:
     if scene.lennard_jones is not None:
         length: Any = scene.lennard_jones.length
         return float(np.max(length)), f"largest {scene.lennard_jones.length_form}"
-    positions = scene.initial_state().positions
+    positions = scene.own_start().positions
     extent = float(np.linalg.norm(np.ptp(positions, axis=0))) if len(positions) > 1 else 0.0
     if extent > 0:
         return extent, "extent at the start"

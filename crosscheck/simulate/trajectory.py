@@ -79,7 +79,7 @@ def trajectory_of(scene: Scene, run: Run) -> Trajectory | None:
     spins = run.get("angular_velocities")
     if positions is None:
         return None
-    state = scene.initial_state(None if scene.method is None else scene.method.contact)
+    state = scene.own_start()
     cell, periodic = np.zeros(3), np.zeros(3, dtype=bool)
     if state.lengths is not None:
         cell[: scene.dimension] = state.lengths

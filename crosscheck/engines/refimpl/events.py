@@ -224,8 +224,8 @@ def _remarks(sim: Any) -> tuple[str, ...]:
         return ()
     return (
         f"{number} {'event' if number == 1 else 'events'} took place at the same time, within rounding, as another one "
-        f"of the same particle, the first at t = {first:.12g}: which of them comes first, and with it all that "
-        "follows, depends on the order in which the particles are given.",
+        f"of the same particle, the first at t = {first:.12g}: which of them comes first depends on the order in which "
+        "the particles are given, and so may all that follows.",
     )
 
 
