@@ -198,11 +198,11 @@ CHECKS = (
             (
                 "second-image",
                 Fault(
-                    "images-not-shifted",
+                    "first-image-only",
                     "events/kernels/loop.py",
-                    "    rows[i, k] -= turn * model.lengths[k]\n",
-                    "    rows[i, k] -= 0.0 * turn * model.lengths[k]\n",
-                    "a particle that leaves the box is not moved to its other side: only the first image is asked",
+                    "    tick(counts, PREDICTIONS, p)\n",
+                    "    tick(counts, PREDICTIONS, p)\n    p = p if particles.images[i, 0] == 0 else 0\n",
+                    "no partners are looked for once a sphere has left the box: only the first image is asked",
                 ),
             ),
         ),
