@@ -19,6 +19,9 @@ from refimpl.events.model import AMPLITUDE, FREQUENCY, TEMPERATURE, VELOCITY, Fl
 NEAR = 1e-9
 #: The same where the rounding of positions is larger: so many sides of the box, over the diameter.
 NEAR_IN_BOX = 2.0**-44
+#: A box of fewer diameters counts as one of so many: contacts in it are to 2e-13 diameters, and the clock, whose renewal
+#: costs about one prediction a particle, is not renewed every few hundred events of a few particles.
+SMALLEST_BOX = 64.0
 #: Two events are at one time if they are nearer than this, in times to cross the box: clocks are rounded to an eighth.
 SIMULTANEOUS = 2.0**-46
 #: Overlap of two particles at the start, in diameters, that passes as rounding of the input.
@@ -104,6 +107,7 @@ def nearness(model: HardSpheres) -> float:
 def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
     """Longest side of the box over a typical speed: over so long a time, rounding of time and of positions are alike.
 
+    In a box of less than `SMALLEST_BOX` diameters, so many diameters over that speed.
     The speed is the root mean square of the velocities (N, d or more components) of mobile particles, of those of the
     walls, and of what fields, wells and warm walls can give. Infinite where nothing moves.
     """
@@ -126,7 +130,7 @@ def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
                 + numbers[:, TEMPERATURE] * lightest
             )
         )
-    return length / math.sqrt(square) if square > 0 else math.inf
+    return max(length, SMALLEST_BOX * model.diameter) / math.sqrt(square) if square > 0 else math.inf
 
 
 def two_sum(high: float, low: float, more: float) -> tuple[float, float]:
