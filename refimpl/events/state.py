@@ -19,8 +19,8 @@ from refimpl.events.model import AMPLITUDE, FREQUENCY, TEMPERATURE, VELOCITY, Fl
 NEAR = 1e-9
 #: The same where the rounding of positions is larger: so many sides of the box, over the diameter.
 NEAR_IN_BOX = 2.0**-44
-#: A box of fewer diameters counts as one of so many: contacts in it are to 2e-13 diameters, and the clock, whose renewal
-#: costs about one prediction a particle, is not renewed every few hundred events of a few particles.
+#: A box of fewer diameters counts as one of so many: contacts in it are to 2e-13 diameters, and the clock of a few
+#: particles is not renewed, with all predictions, every few hundred events.
 SMALLEST_BOX = 64.0
 #: Two events are at one time if they are nearer than this, in times to cross the box: clocks are rounded to an eighth.
 SIMULTANEOUS = 2.0**-46
