@@ -202,7 +202,7 @@ def _late_contact(laboratory: Laboratory, scheme: str, shift: float) -> Iterator
     )
     impact = _expected(scene)
     assert impact is not None
-    run = laboratory.run(scene, Method(scheme=scheme, dt=step) if step else scheme)
+    run = laboratory.run(scene, Method(scheme=scheme, dt=step or None))
     t, speed = run["time"], float(np.linalg.norm(velocities[1] - velocities[0]))
     settled = (t <= impact.time) | (t > impact.time + step)
     counted = run["collisions"] - (t > impact.time)
