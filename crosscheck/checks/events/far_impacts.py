@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant, quick
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant, full, quick
 from crosscheck.checks.events.gases import event_driven, spheres
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Claims, Run
@@ -173,8 +173,10 @@ def _nearest(positions: Floats, lengths: Floats) -> float:
 
 
 def _schemes(schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
-    kinds = ("collision_search", EVENT_DRIVEN)
-    return quick(*(name for name, claims in schemes.items() if claims.kind in kinds))
+    """All searches, and the first event-driven scheme; the others, which may have to be compiled, in the full tier."""
+    searches = [name for name, claims in schemes.items() if claims.kind == "collision_search"]
+    driven = [name for name, claims in schemes.items() if claims.kind == EVENT_DRIVEN]
+    return quick(*searches, *driven[:1]) + full(*driven[1:])
 
 
 def _judge_any_scheme(laboratory: Laboratory, scheme: str) -> Judged:
