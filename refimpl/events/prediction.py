@@ -38,8 +38,9 @@ from refimpl.events.model import (
 
 #: The time of an event that does not happen: large, yet finite, so that sums and comparisons need no special case.
 NEVER = 1e300
-#: (r^2 - s^2)/s^2 above which a discriminant is formed from |r x v|^2: below, b^2 - w c is as good, and at hand.
-FAR = 8.0
+#: (r^2 - s^2)/s^2 above which a discriminant is formed from |r x v|^2. Nearer, b^2 - w c is at hand, and changes the
+#: impact parameter by r^2/(2 s) roundings of it: 32 of s at most, less than the clock does.
+FAR = 64.0
 #: Rounding of a relative velocity, squared, over the sum of the two velocities squared: slower counts as at rest.
 AT_REST = (2.0**-49) ** 2
 #: Rounding of positions that a wall search may stop at, in units of the position.

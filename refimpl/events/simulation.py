@@ -572,7 +572,7 @@ def _aligned(rows: int, columns: int, kind: Any) -> Any:
 
 def _scratch(d: int, width: int) -> loop.Scratch:
     most = 3**d * width + 4
-    return loop.Scratch(np.zeros(most, np.int64), np.zeros(most, np.int64), np.zeros((most, 4)))
+    return loop.Scratch(np.zeros(most, np.int64), np.zeros((most, 4)))
 
 
 def _trace() -> loop.Trace:

@@ -19,6 +19,10 @@ from refimpl.events.model import AMPLITUDE, FREQUENCY, TEMPERATURE, VELOCITY, Fl
 NEAR = 1e-9
 #: The same where the rounding of positions is larger: so many sides of the box, over the diameter.
 NEAR_IN_BOX = 2.0**-44
+#: A few particles in a box of a few diameters would renew their clock, with all predictions, every few hundred events.
+#: Contacts to 2e-13 diameters are enough there: with fewer particles than FEW, a box counts as larger in proportion, up
+#: to so many diameters.
+FEW, SMALL_BOX = 128, 64.0
 #: Two events are at one time if they are nearer than this, in times to cross the box: clocks are rounded to an eighth.
 SIMULTANEOUS = 2.0**-46
 #: Overlap of two particles at the start, in diameters, that passes as rounding of the input.
@@ -104,6 +108,7 @@ def nearness(model: HardSpheres) -> float:
 def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
     """Longest side of the box over a typical speed: over so long a time, rounding of time and of positions are alike.
 
+    A small box with few particles counts as a larger one, see `SMALL_BOX`.
     The speed is the root mean square of the velocities (N, d or more components) of mobile particles, of those of the
     walls, and of what fields, wells and warm walls can give. Infinite where nothing moves.
     """
@@ -126,7 +131,8 @@ def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
                 + numbers[:, TEMPERATURE] * lightest
             )
         )
-    return length / math.sqrt(square) if square > 0 else math.inf
+    counted = max(length, min(SMALL_BOX * model.diameter, length * FEW / len(velocities)))
+    return counted / math.sqrt(square) if square > 0 else math.inf
 
 
 def two_sum(high: float, low: float, more: float) -> tuple[float, float]:

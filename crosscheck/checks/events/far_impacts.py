@@ -6,25 +6,42 @@ be squared before they are subtracted. Energy and collision rates of a gas do no
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import TypeAlias
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, quick
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant, full, quick
 from crosscheck.checks.events.gases import event_driven, spheres
-from crosscheck.engines.protocol import Run
+from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.protocol import Claims, Run
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
 from crosscheck.references.first_impact import Impact, after_impact, first_impact
-from crosscheck.scene import Box, Explicit, Floats, Observable, Output, Scene
-from crosscheck.verdict import Judged, bounded, round_off, worst
+from crosscheck.scene import Box, Explicit, Floats, Method, Observable, Output, Scene
+from crosscheck.verdict import Judged, Judgement, bounded, round_off, worst
 
 _RECORD: tuple[Observable, ...] = ("collisions", "collisional_virial")
 #: Roundings of a coordinate of the box that a contact may be off by: of positions and of a clock that runs for some
 #: times to cross the box, at relative speeds of some times the mean.
 _ROUNDINGS = 64
 _WHY = "64 roundings of a coordinate: of positions, and of a clock that runs for some times to cross the box"
+
+#: A sphere that passes the edge of the box twice, and meets the second image of its partner: side, places, velocities.
+_SIDE = 10.0
+_PLACES = ((5.0, 5.0, 5.0), (2.0, 3.0, 5.0))
+_VELOCITIES = ((0.0, 0.0, 0.0), (-1.0, 0.13, 0.0))
+#: Along x: of all, in the second case such that they touch across the edge of the box.
+_SHIFTS = (0.0, 4.5)
+#: Time step of schemes that search for collisions after each.
+_STEP = 1e-3
+_FIRST_IMAGE_ONLY = Fault(
+    "first-image-only",
+    "events/kernels/loop.py",
+    "    tick(counts, PREDICTIONS, p)\n",
+    "    tick(counts, PREDICTIONS, p)\n    p = p if particles.images[i, 0] == 0 else 0\n",
+    "no partners are looked for once a sphere has left the box: only the first image is asked",
+)
 
 
 def _pair(side: float, duration: float, positions: Floats, velocities: Floats, interval: float) -> Scene:
@@ -90,9 +107,8 @@ def _judge_grazing(laboratory: Laboratory) -> Judged:
 
 def _judge_second_image(laboratory: Laboratory) -> Judged:
     """A sphere that passes its partner twice across the edge of the box before it meets an image of it."""
-    side, duration, interval = 10.0, 60.0, 0.5
-    positions = np.array([[5.0, 5.0, 5.0], [2.0, 3.0, 5.0]])
-    velocities = np.array([[0.0, 0.0, 0.0], [-1.0, 0.13, 0.0]])
+    side, duration, interval = _SIDE, 60.0, 0.5
+    positions, velocities = np.array(_PLACES), np.array(_VELOCITIES)
     scene = _pair(side, duration, positions, velocities, interval)
     impact = _expected(scene)
     assert impact is not None
@@ -156,6 +172,67 @@ def _nearest(positions: Floats, lengths: Floats) -> float:
     return float(distances[np.triu_indices(len(positions), 1)].min())
 
 
+def _schemes(schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
+    """All searches, and the first event-driven scheme; the others, which may have to be compiled, in the full tier."""
+    searches = [name for name, claims in schemes.items() if claims.kind == "collision_search"]
+    driven = [name for name, claims in schemes.items() if claims.kind == EVENT_DRIVEN]
+    return quick(*searches, *driven[:1]) + full(*driven[1:])
+
+
+def _judge_any_scheme(laboratory: Laboratory, scheme: str) -> Judged:
+    """The pair of `_judge_second_image`, once with the contact inside the box, once across its edge."""
+    return worst([judged for shift in _SHIFTS for judged in _late_contact(laboratory, scheme, shift)])
+
+
+def _late_contact(laboratory: Laboratory, scheme: str, shift: float) -> Iterator[Judgement]:
+    """The contact of the pair, moved by `shift` along x, by a scheme of any kind.
+
+    A search after each step finds the pair up to dt late: |u| dt nearer, u the relative velocity, with a normal that is
+    turned by less than |u| dt/(sigma - |u| dt). So the velocities are off by less than twice that, times |u|; positions
+    by that times the time since, and by 2 |u| dt.
+    """
+    step = _STEP if laboratory.claims[scheme].takes_dt else 0.0
+    positions, velocities = np.array(_PLACES) + np.array([shift, 0.0, 0.0]), np.array(_VELOCITIES)
+    scene = spheres(
+        2,
+        1.0,
+        1,
+        box=Box(lengths=(_SIDE,) * 3),
+        initial=Explicit(positions=tuple(map(tuple, positions.tolist())), velocities=_VELOCITIES),
+        duration=20.0,
+        output=Output(interval=0.5, observables=("collisions",), trajectory=True),
+    )
+    impact = _expected(scene)
+    assert impact is not None
+    run = laboratory.run(scene, Method(scheme=scheme, dt=step or None))
+    t, speed = run["time"], float(np.linalg.norm(velocities[1] - velocities[0]))
+    settled = (t <= impact.time) | (t > impact.time + step)
+    counted = run["collisions"] - (t > impact.time)
+    after = np.array(after_impact(impact, *velocities.tolist()))
+    late = np.maximum(t - impact.time, 0.0)
+    exact = positions + velocities * np.minimum(t, impact.time)[:, None, None] + after * late[:, None, None]
+    away = run["positions"] - exact
+    away -= _SIDE * np.round(away / _SIDE)  # an engine may wrap
+    turned = speed * step / (1.0 - speed * step)
+    # a sum of so many steps is rounded at each
+    rounding = _ROUNDINGS * EPSILON * _SIDE * (1 + scene.duration + (scene.duration / step if step else 0.0))
+    bound = 2 * speed * step + 2 * turned * speed * late + rounding
+    share = np.abs(away).max(axis=(1, 2)) / bound
+    where = "across the edge" if shift else "inside the box"
+    yield bounded(
+        f"contact {where}: samples with a wrong number of collisions",
+        float(np.count_nonzero(counted[settled])),
+        0.0,
+        f"one collision, at t = {impact.time:.7g}, or at most a step later",
+    )
+    yield bounded(
+        f"contact {where}: error of a position over its bound",
+        float(share[settled].max()),
+        1.0,
+        "contact found up to a step late, hence a normal turned by |u| dt/sigma; and round-off",
+    )
+
+
 #: What each variant judges.
 Case: TypeAlias = Callable[[Laboratory], Judged]
 
@@ -197,14 +274,24 @@ CHECKS = (
             ),
             (
                 "second-image",
-                Fault(
-                    "images-not-shifted",
-                    "events/kernels/loop.py",
-                    "    rows[i, k] -= turn * model.lengths[k]\n",
-                    "    rows[i, k] -= 0.0 * turn * model.lengths[k]\n",
-                    "a particle that leaves the box is not moved to its other side: only the first image is asked",
-                ),
+                _FIRST_IMAGE_ONLY,
             ),
         ),
+    ),
+    Check(
+        name="events/second-image",
+        title="Two spheres in a periodic box: the contact with a second image, by any search for collisions",
+        equation="|r_i - r_j + k L| = sigma at a collision, for the image k that is met first",
+        criterion="collisions counted exactly; positions as precise as a contact that is found up to a time step late",
+        citation="B. J. Alder and T. E. Wainwright, J. Chem. Phys. 31, 459 (1959); Rein & Liu, A&A 537, A128 (2012)",
+        judge=_judge_any_scheme,
+        variants=_schemes,
+        needs=Needs(
+            "hard_spheres",
+            ("collision_search", EVENT_DRIVEN),
+            frozenset({"box.boundaries=periodic"}),
+            frozenset({"positions", "collisions"}),
+        ),
+        faults=((EVENT_DRIVEN, _FIRST_IMAGE_ONLY),),
     ),
 )

@@ -89,6 +89,9 @@ REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FU
 WALL, CYLINDER, REPREDICT = 8, 16, 17
 #: Relative rounding of the two terms of a discriminant, generously: such pairs are looked at again, more precisely.
 SLACK = 1.0 + 2.0**-48
+#: Bits of a particle's number, in the buffer of a prediction.
+ID_BITS = 32
+ID = (1 << ID_BITS) - 1
 #: What became of a passage of a cell's face: there was no room; done; done, and the state was taken anew.
 FULL, PASSED, RENEWED = range(3)
 #: More than COLLAPSE collisions of a particle in a row at one instant are an inelastic collapse; so are more than two
@@ -172,10 +175,9 @@ class Limits(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Buffers of one prediction: ids (slots,), codes of their shifts (slots,), numbers (slots, 4)."""
+    """Buffers of one prediction: ids (slots,), with the code of the shift in the upper half; numbers (slots, 4)."""
 
     ids: Any
-    codes: Any
     numbers: Any
 
 
@@ -290,7 +292,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
     those events.
     """
     rows, cells = particles.rows, particles.cells
-    ids, codes, numbers = scratch.ids, scratch.codes, scratch.numbers
+    ids, numbers = scratch.ids, scratch.numbers
     acceleration, radii, diameter, well = model.acceleration, model.radii, model.diameter, model.well
     nx, ny, nz = grid.counts
     cx, cy, cz = particles.ints[i, CELL], particles.ints[i, CELL + 1], particles.ints[i, CELL + 2]
@@ -344,14 +346,13 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
                 for kx in range(x0, x1 + 1):
                     sx = -1 if kx < 0 else (1 if kx >= nx else 0)
                     cell = row + (kx - sx * nx)
-                    code = (sx + 1) + 3 * (sy + 1) + 9 * (sz + 1)
+                    code = np.int64((sx + 1) + 3 * (sy + 1) + 9 * (sz + 1)) << ID_BITS
                     for slot in range(1, cells[cell, 0] + 1):
-                        ids[p] = cells[cell, slot]
-                        codes[p] = code
+                        ids[p] = code | cells[cell, slot]
                         p += 1
     for q in range(p):
-        prefetch(rows, ids[q] * 64)
-        _prefetch_radius(radii, ids[q])
+        prefetch(rows, (ids[q] & ID) * 64)
+        _prefetch_radius(radii, ids[q] & ID)
     tick(counts, PREDICTIONS, p)
 
     ti = rows[i, TIME]
@@ -359,7 +360,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
     reach2 = _reach(well) ** 2
     u = 0
     for q in range(p):
-        j = ids[q]
+        j = ids[q] & ID
         tj = rows[j, TIME]
         s = ti - tj
         b, rr, w = 0.0, 0.0, 0.0
@@ -367,7 +368,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
             vi, vj = rows[i, SPEED + k], rows[j, SPEED + k]
             gap = rows[j, k] - rows[i, k]
             if not inside:
-                gap += grid.shifts[codes[q], k]
+                gap += grid.shifts[ids[q] >> ID_BITS, k]
             r = _relative_position(gap, vi, vj, s, acceleration, k)
             v = _relative_speed(vi, vj, s, acceleration, k)
             b += r * v
@@ -379,15 +380,13 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
         square = SLACK * (b * b)
         later = max(ti, tj)
         within = NEVER if keeps_all(store) else best - later
-        ids[u] = j
-        if not inside:
-            codes[u] = codes[q]
+        ids[u] = ids[q]
         numbers[u, 0], numbers[u, 1], numbers[u, 2], numbers[u, 3] = b, c, w, later
         near = edge - grid.near * (size * size)
         u += np.int64(_may_have_event(well, b, c, square - w * c, near, square - w * edge, within))
 
     for q in range(u):
-        j = ids[q]
+        j = ids[q] & ID
         b, c, w = numbers[q, 0], numbers[q, 1], numbers[q, 2]
         if j != i:
             s = contact_distance(diameter, radii, i, j)
@@ -396,7 +395,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
             if s > 0.0 and (c > grid.near * s2 or b >= 0.0 or not rests(rows, i, j, b, s2)):
                 moment2 = 0.0
                 if c > FAR * s2:
-                    moment2 = _moment_of_pair(model, grid, rows, i, j, 13 if inside else codes[q])
+                    moment2 = _moment_of_pair(model, grid, rows, i, j, 13 if inside else ids[q] >> ID_BITS)
                 span = pair_time(well, particles.bonds, i, j, b, c, w, s2, moment2, grid.near)
                 if span < NEVER:
                     add(store, rows, particles.ints, counts, i, numbers[q, 3] + span, j)

@@ -224,9 +224,9 @@ def test_the_naive_algorithm_goes_on_from_a_snapshot() -> None:
     whole, before, after = (Naive(*arguments) for _ in range(3))
     before.run(until=1.0)
     after.resume(before.snapshot())
-    after.run(until=2.0)
+    after.run(until=3.0)
     whole.run(until=1.0)
-    whole.run(until=2.0)
+    whole.run(until=3.0)
     assert after.trace == whole.trace[len(before.trace) :]
     assert len(after.trace) > 20
     for mine, yours in zip(after.state(), whole.state(), strict=True):
@@ -234,18 +234,18 @@ def test_the_naive_algorithm_goes_on_from_a_snapshot() -> None:
 
 
 def test_a_cut_at_a_renewal() -> None:
-    """A ball between two walls, hit once in h, at h/2, 3h/2 ...: the box is 1.5 h high, the renewal due at 24 h.
+    """A ball between two walls, hit once in h, at h/2, 3h/2 ...: 64 diameters take 32 h, the renewal is due at 512 h.
 
-    It takes place before the hit at 24.5 h, also where the run is cut between the two.
+    It takes place before the hit at 512.5 h, also where the run is cut between the two.
     """
     h = 1.0 + 1e-3 / 3
     model = full(1, lengths=(3.0, 3.0), periodic=(True, False), faces=[None, None, Face(), Face()])
     whole, cut = (Simulation(model, [[1.0, 1.5]], [[0.0, 2 / h]], trace=True) for _ in range(2))
-    for end in (23.9 * h, 24.2 * h):
+    for end in (511.9 * h, 512.2 * h):
         cut.run(until=end)
         assert cut._rebases == 0
     for ball in (whole, cut):
-        ball.run(until=30 * h)
+        ball.run(until=520 * h)
     assert whole._rebases == cut._rebases == 1
     assert_same(whole, cut)
 
