@@ -28,7 +28,7 @@ def _at_state(density: float, temperature: float, number: int) -> _Liquid:
 
 
 #: Duration of a production run of 256 particles; of more, shorter in proportion. Below the density `DENSE` longer, as
-#: the time between collisions is: that of correlations grows with it, and the error needs a hundred independent samples.
+#: the time between collisions is: that of correlations grows with it; the error needs a hundred independent samples.
 DURATION, SAMPLES, DENSE = 200.0, 200, 0.5
 #: The two production runs are this much above and below the temperature asked for.
 BRACKET = 0.04
