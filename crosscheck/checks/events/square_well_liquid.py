@@ -27,8 +27,9 @@ def _at_state(density: float, temperature: float, number: int) -> _Liquid:
     return _Liquid(next(one for one in STATES if one[:2] == (density, temperature)), number)
 
 
-#: Duration of a production run of 256 particles; of more, shorter in proportion.
-DURATION, SAMPLES = 200.0, 200
+#: Duration of a production run of 256 particles; of more, shorter in proportion. Below the density `DENSE` longer, as
+#: the time between collisions is: that of correlations grows with it; the error needs a hundred independent samples.
+DURATION, SAMPLES, DENSE = 200.0, 200, 0.5
 #: The two production runs are this much above and below the temperature asked for.
 BRACKET = 0.04
 
@@ -69,7 +70,7 @@ def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
     point, number = liquid
     scene = fluid(3, number, point.density, 1.5 * point.temperature, laboratory.seed())
     scene = _rescaled(laboratory, scene, point.temperature, 10, 4.0)
-    duration = DURATION * 256 / number
+    duration = DURATION * 256 / number * max(1.0, DENSE / point.density)
     runs = [
         _produced(laboratory, _rescaled(laboratory, scene, factor * point.temperature, 6, 4.0), duration)
         for factor in (1 - BRACKET, 1 + BRACKET)

@@ -12,6 +12,7 @@ from crosscheck.checks.stepping.fluids import (
     StatePoint,
     energy_kept,
     equilibrated,
+    finite_energy,
     series,
 )
 from crosscheck.faults import Fault
@@ -25,10 +26,12 @@ def _judge(laboratory: Laboratory, point: StatePoint) -> Judged:
     """T, u and p of two engines that start from one state: the same energy, hence the same averages."""
     scene = equilibrated(laboratory, point)
     runs = {engine: laboratory.run(scene, AVERAGE, engine=engine) for engine in (laboratory.engine, OTHER)}
+    judgements = [energy_kept(scene, run, engine) for engine, run in runs.items()]
+    if not all(map(finite_energy, runs.values())):
+        return worst(judgements)
     ours, theirs = (
         {name: correlated_mean(values) for name, values in series(scene, run).items()} for run in runs.values()
     )
-    judgements = [energy_kept(scene, run, engine) for engine, run in runs.items()]
     judgements += [
         statistical(
             f"{name} ({laboratory.engine} against {OTHER})",

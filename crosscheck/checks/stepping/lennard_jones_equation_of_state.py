@@ -26,12 +26,15 @@ def _judge(laboratory: Laboratory, point: StatePoint) -> Judged:
     """u and p at the temperature that the run has, against the equations of state."""
     scene = equilibrated(laboratory, point)
     run = laboratory.run(scene, AVERAGE)
+    kept = energy_kept(scene, run, laboratory.engine)
+    if kept.outcome == "fail":  # what is left may be as hot as no equation of state knows
+        return kept
     measured = series(scene, run)
     t = correlated_mean(measured["T"])
     tail = reference.tail(point.density, CUTOFF)
     known = reference.equation_of_state(t.value, point.density)
     warmer = reference.equation_of_state(1.01 * t.value, point.density)
-    judgements = [energy_kept(scene, run, laboratory.engine)]
+    judgements = [kept]
     for name, correction, field, size in (
         ("u", tail.energy, "energy", abs(known.energy)),
         ("p", tail.pressure, "pressure", point.density * t.value),
