@@ -169,11 +169,6 @@ def energy_kept(scene: Scene, run: Run, engine: str) -> Judgement:
     )
 
 
-def finite_energy(run: Run) -> bool:
-    """Whether energies of `run` are finite: if not, it has no averages, and `energy_kept` is red."""
-    return bool(np.isfinite(run["kinetic_energy"] + run["potential_energy"]).all())
-
-
 def series(scene: Scene, run: Run) -> dict[str, Floats]:
     """T, u = U/N and p, averages over `STRETCH` samples each, (samples // STRETCH,), without long-range corrections.
 
