@@ -106,7 +106,7 @@ class StatePoint(NamedTuple):
 
 
 STATE_POINTS = {
-    "rho0.8-T1.0": StatePoint(0.8, 1.0, 4000),
+    "rho0.8-T1.0": StatePoint(0.8, 1.0, 8000),
     "rho0.5-T2.0": StatePoint(0.5, 2.0, 12000),
     "rho0.3-T2.5": StatePoint(0.3, 2.5, 16000),
 }
