@@ -35,6 +35,13 @@ _VELOCITIES = ((0.0, 0.0, 0.0), (-1.0, 0.13, 0.0))
 _SHIFTS = (0.0, 4.5)
 #: Time step of schemes that search for collisions after each.
 _STEP = 1e-3
+_SQUARES_OF_DISTANCES = Fault(
+    "squares-of-distances",
+    "events/prediction.py",
+    "    if c > FAR * s2:\n",
+    "    if c > 1e300 * s2:\n",
+    "the discriminant is the difference of squares of distances, from afar too",
+)
 _FIRST_IMAGE_ONLY = Fault(
     "first-image-only",
     "events/kernels/loop.py",
@@ -252,30 +259,9 @@ CHECKS = (
         variants=quick(**{"grazing": _judge_grazing, "second-image": _judge_second_image, "dilute": _judge_dilute}),
         needs=event_driven("box.boundaries=periodic", "positions velocities collisions collisional_virial"),
         faults=(
-            (
-                "dilute",
-                Fault(
-                    "squares-of-distances",
-                    "events/prediction.py",
-                    "    if c > FAR * s2:\n",
-                    "    if c > 1e300 * s2:\n",
-                    "the discriminant is the difference of squares of distances, from afar too",
-                ),
-            ),
-            (
-                "grazing",
-                Fault(
-                    "squares-of-distances",
-                    "events/prediction.py",
-                    "    if c > FAR * s2:\n",
-                    "    if c > 1e300 * s2:\n",
-                    "the discriminant is the difference of squares of distances, from afar too",
-                ),
-            ),
-            (
-                "second-image",
-                _FIRST_IMAGE_ONLY,
-            ),
+            ("dilute", _SQUARES_OF_DISTANCES),
+            ("grazing", _SQUARES_OF_DISTANCES),
+            ("second-image", _FIRST_IMAGE_ONLY),
         ),
     ),
     Check(
