@@ -158,7 +158,7 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
     check = find(case.check)
     pool = _pool(overlay, time_limit)
     schemes = engine_class(case.engine).schemes
-    laboratory = Laboratory(case.engine, schemes, pool, case.name, seed)
+    laboratory = Laboratory(case.engine, schemes, pool, case.name, seed, interpreted=check.interpreted)
     started = time.perf_counter()
     found, message, tier = None, "", "quick"
     try:

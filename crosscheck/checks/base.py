@@ -50,7 +50,7 @@ class Laboratory:
     engine: name of the engine under judgement. claims: what that engine declares of its schemes, by scheme. pool: the
     worker processes that engines run in. case: `check/variant`, from which all seeds of the case are derived.
     suite_seed: seed of the whole run of the suite, from which they are derived too. cost: of all runs so far, summed;
-    of the peak memory, the largest.
+    of the peak memory, the largest. interpreted: see `Check`.
     """
 
     engine: str
@@ -59,6 +59,7 @@ class Laboratory:
     case: str
     suite_seed: int = 0
     cost: Cost = field(default_factory=Cost)
+    interpreted: bool = False
 
     def run(
         self, scene: Scene, method: Method | Kind, engine: str | None = None, *, may_end_early: bool = False
@@ -72,7 +73,8 @@ class Laboratory:
         kind for this interaction; the errors of the engine (see `crosscheck.errors`) pass through.
         """
         name = engine or self.engine
-        run = self.pool.worker(name).run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
+        worker = self.pool.worker(name, self.interpreted and getattr(engine_class(name), "interpretable", False))
+        run = worker.run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
         for entry, value in asdict(run.cost).items():
             before = getattr(self.cost, entry)
             setattr(self.cost, entry, max(before, value) if entry == "peak_bytes" else before + value)
@@ -106,7 +108,8 @@ class Check:
     literature. judge: measures one variant, given a laboratory and the variant's value. variants: see `Variants`.
     needs: what an engine must declare to be judged, own or foreign; several: all of them. faults: (variant, planted bug
     of `refimpl` that must turn it red). reference: engines, one or several, that this check compares with, and
-    therefore does not judge. timing: run alone, nothing else beside it.
+    therefore does not judge. timing: run alone, nothing else beside it. interpreted: its scenes are so small that
+    compiling would take longer than running: an engine that says `interpretable` runs as plain Python.
     """
 
     name: str
@@ -120,6 +123,7 @@ class Check:
     needs: Needs | tuple[Needs, ...]
     reference: str | tuple[str, ...] | None = None
     timing: bool = False
+    interpreted: bool = False
 
     @property
     def all_needs(self) -> tuple[Needs, ...]:

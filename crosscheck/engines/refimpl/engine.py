@@ -71,6 +71,7 @@ class RefimplEngine:
     """The algorithms of `refimpl`: all interactions and all their schemes."""
 
     name = "refimpl"
+    interpretable = True
     schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()}
     schemes |= {name: Claims(kind="event_driven") for name in SCHEDULERS}
     schemes |= {name: Claims(kind="lattice") for name in EVOLVERS}

@@ -47,15 +47,18 @@ class Worker:
     """One engine's process, started at the first call. Not to be shared between threads.
 
     engine: its name, or path.py:Class. overlay: a directory put first on the path, which holds a `refimpl` with a
-    planted fault. time_limit: seconds that one call may take.
+    planted fault. time_limit: seconds that one call may take. interpreted: numba compiles nothing.
 
     All calls raise EngineMissing if the engine cannot run on this machine, UsageError for mistakes in scene or method,
     and EngineError, with the last lines of the engine's output, if it fails, crashes or exceeds the time limit.
     """
 
-    def __init__(self, engine: str, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> None:
+    def __init__(
+        self, engine: str, overlay: Path | None = None, time_limit: float = TIME_LIMIT, *, interpreted: bool = False
+    ) -> None:
         self.engine = engine
         self.overlay = overlay
+        self.interpreted = interpreted
         self.time_limit = time_limit
         self._process: subprocess.Popen[bytes] | None = None
         self._number = 0
@@ -148,7 +151,7 @@ class Worker:
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 pass_fds=(requests_read, answers_write),
-                env=_environment(self.overlay),
+                env=_environment(self.overlay, self.interpreted),
                 start_new_session=True,  # Ctrl-C is the suite's, which ends the worker
             )
         ending.enlist(self._process, directory)
@@ -279,33 +282,39 @@ class Worker:
         os.close(self._answers)
 
 
-def _environment(overlay: Path | None) -> dict[str, str]:
-    """Environment of a worker: one thread; an overlay first on the path, with its compiled kernels beside it."""
+def _environment(overlay: Path | None, interpreted: bool) -> dict[str, str]:
+    """Environment of a worker: one thread; an overlay first on the path, with its kernels beside it, if any."""
     environment = dict(os.environ)
     environment.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", NUMBA_NUM_THREADS="1")
     environment["NUMBA_CACHE_DIR"] = str(kernel_cache(overlay / "kernels" if overlay else None))
+    if interpreted:
+        environment["NUMBA_DISABLE_JIT"] = "1"
     if overlay:
         environment["PYTHONPATH"] = os.pathsep.join(filter(None, [str(overlay), os.environ.get("PYTHONPATH", "")]))
     return environment
 
 
 class Pool:
-    """The workers of one thread, one per engine.
+    """The workers of one thread, one per engine; two for an engine that may be interpreted.
 
     overlay: see `Worker`; only `refimpl` gets it. time_limit: seconds that one call may take.
     """
 
     def __init__(self, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> None:
-        self._workers: dict[str, Worker] = {}
+        self._workers: dict[tuple[str, bool], Worker] = {}
         self._overlay = overlay
         self._time_limit = time_limit
 
-    def worker(self, engine: str) -> Worker:
-        """The worker of this engine (a name, or path.py:Class), the same one at every call."""
-        if engine not in self._workers:
+    def worker(self, engine: str, interpreted: bool = False) -> Worker:
+        """The worker of this engine (a name, or path.py:Class), the same one at every call.
+
+        interpreted: one in which numba compiles nothing.
+        """
+        key = (engine, interpreted)
+        if key not in self._workers:
             overlay = self._overlay if engine == "refimpl" else None
-            self._workers[engine] = Worker(engine, overlay, self._time_limit)
-        return self._workers[engine]
+            self._workers[key] = Worker(engine, overlay, self._time_limit, interpreted=interpreted)
+        return self._workers[key]
 
     def close(self) -> None:
         """Ends all workers."""
