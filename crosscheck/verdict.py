@@ -321,21 +321,26 @@ def statistical(
     why: str,
     *,
     samples: float | Mean | Sequence[Mean],
+    doubt: float = 0.0,
     needed: float | None = None,
     note: str = "",
     figures: tuple[Figure, ...] = (),
 ) -> Judgement:
-    """The judgement |measured - expected| <= t u, u^2 = uncertainty^2 + expected_uncertainty^2; NaN fails.
+    """The judgement |measured - expected| <= t u + doubt, u^2 = uncertainty^2 + expected_uncertainty^2; NaN fails.
 
     t is the two-sided quantile of Student's distribution for `FALSE_ALARM`, and thereby the largest deviation that is
     believable, however few the samples. quantity: name and unit of what was measured. uncertainty,
     expected_uncertainty: standard errors, in that unit. why: the reason for what is expected. samples: number of
     independent samples of the smaller of the two data sets, t has one degree of freedom less; or the means of the
-    correlated series that were measured, which know theirs. A series that drifts is red, whatever its mean. Where the
+    correlated series that were measured, which know theirs. doubt: a bound on what is systematically wrong with what is
+    expected or measured (a theory of lowest order, a finite grid), in that unit; it is not a standard error, and is
+    added to t u once. A series that drifts is red, whatever its mean. Where the
     error itself is too uncertain (`LEAST_FREEDOM`, `LEAST_SAMPLES`), "inconclusive" takes the place of "pass". needed:
     the relative deviation that the check must be able to detect; where it could not, the same. note, figures: see
-    `Judgement`.
+    `Judgement`. ValueError for a doubt that is negative or not finite.
     """
+    if not 0 <= doubt < math.inf:
+        raise ValueError(f"the doubt of '{quantity}' must be a number that is not negative, got {doubt}")
     means: Sequence[Mean] = ()
     if isinstance(samples, Mean):
         means = (samples,)
@@ -349,13 +354,14 @@ def statistical(
     quantile = _quantile(freedom)
     if means:
         quantile = min(quantile, LARGEST_IN_SPREADS * math.sqrt(number))
-    tolerance = quantile * u
+    tolerance = quantile * u + doubt
     known = math.isfinite(u) and math.isfinite(measured - expected)
+    off = abs(measured - expected)
     sigmas = math.inf
     if known and (u > 0 or measured == expected):
-        sigmas = abs(measured - expected) / u if u > 0 else 0.0
+        sigmas = off / u if u > 0 else 0.0
     sensitivity = _relative(tolerance, expected)
-    outcome: Outcome = "pass" if sigmas <= quantile else "fail"
+    outcome: Outcome = "pass" if known and off <= tolerance else "fail"
     few = number < LEAST_SAMPLES or freedom < LEAST_FREEDOM
     if outcome == "pass" and (few or (needed is not None and sensitivity > needed)):
         outcome = "inconclusive"
@@ -363,11 +369,14 @@ def statistical(
         outcome = "inconclusive"
     drifts = [(mean.trend.sigmas / _quantile(mean.trend.freedom), mean.trend) for mean in means if mean.trend]
     share, trend = max(drifts, key=lambda drift: drift[0], default=(0.0, None))
-    deviation = sigmas / quantile
+    deviation = 0.0 if off == 0 else math.inf
+    if known and tolerance > 0:
+        deviation = off / tolerance
     if trend is not None and share > 1:
         outcome, deviation = "fail", max(deviation, share)
         note = "; ".join(filter(None, (_drift(trend), note)))
-    reason = f"{why}; red beyond {quantile:.2f} sigma, false-alarm rate {FALSE_ALARM:g}"
+    beyond = f"{quantile:.2f} sigma" + (f" and the doubt {doubt:.3g}" if doubt else "")
+    reason = f"{why}; red beyond {beyond}, false-alarm rate {FALSE_ALARM:g}"
     return Judgement(
         outcome,
         quantity,

@@ -137,6 +137,28 @@ def test_both_error_bars_count() -> None:
     assert judgement.sensitivity == pytest.approx(judgement.criterion.tolerance / 5)
 
 
+def test_a_doubt_is_added_once() -> None:
+    """A systematic bound is no standard error: no quantile multiplies it."""
+    plain, doubtful = judged(0.0), judged(0.0, doubt=7.0)
+    assert doubtful.criterion.tolerance == plain.criterion.tolerance + 7.0
+    edge = doubtful.criterion.tolerance
+    assert judged(edge - 1e-9, doubt=7.0).outcome == "pass"
+    assert judged(edge + 1e-9, doubt=7.0).outcome == "fail"
+    assert judged(2 * edge, doubt=7.0).deviation == pytest.approx(2)
+    assert "and the doubt 7" in doubtful.criterion.why
+
+
+def test_what_has_no_scatter_may_still_be_doubted() -> None:
+    for measured, outcome in ((2.5, "pass"), (2.5001, "fail"), (math.nan, "fail")):
+        assert statistical("x", measured, 0.0, 2.0, 0.0, "why", samples=100, doubt=0.5).outcome == outcome
+
+
+@pytest.mark.parametrize("doubt", [-1.0, math.nan, math.inf])
+def test_a_doubt_is_a_bound(doubt: float) -> None:
+    with pytest.raises(ValueError, match="doubt of 'x' must be a number that is not negative"):
+        judged(0.0, doubt=doubt)
+
+
 def test_false_alarms_are_as_rare_as_stated() -> None:
     """1e5 right codes: the number of red ones within the central 99.99 % of the binomial distribution."""
     draws = np.random.default_rng(5).normal(size=100_000)
