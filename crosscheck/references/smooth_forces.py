@@ -67,6 +67,7 @@ def smooth(scene: Scene, positions: Floats, *, extended: bool = True) -> Smooth:
         lambda s, i, j: _lennard_jones(s, epsilon[i, j], sigma[i, j], lj),
         lj.cutoff,
         rounding,
+        float(abs(x).max(initial=0.0)),
     )
     return _between_walls(scene, x, found) if scene.box is not None and scene.box.wall is not None else found
 
@@ -113,7 +114,7 @@ def _attracted(scene: Scene, x: Floats, weights: Floats) -> Smooth:
         energy = -strength[i, j] / np.sqrt(s + softening**2)
         return _Pairs(energy, -0.5 * energy / (s + softening**2), abs(energy))
 
-    return _summed((x[:, None] - x)[None], plummer, np.inf, 0.0)
+    return _summed((x[:, None] - x)[None], plummer, np.inf, 0.0, float(abs(x).max()))
 
 
 def _mixed(lj: LennardJones, state: State, kind: Any) -> tuple[Floats, Floats]:
@@ -163,12 +164,13 @@ def _lennard_jones(s: Floats, epsilon: Floats, sigma: Floats, lj: LennardJones) 
 
 
 def _summed(
-    apart: Floats, pairs: Callable[[Floats, Floats, Floats], _Pairs], cutoff: float, rounding: float
+    apart: Floats, pairs: Callable[[Floats, Floats, Floats], _Pairs], cutoff: float, rounding: float, farthest: float
 ) -> Smooth:
     """Sums over images and partners; a particle with an image of another one, or of itself, has half of the energy.
 
     apart: (images, N, N, d), of which the first image is that itself. pairs: of s and the partners i and j. rounding:
-    bound on that of a distance (length).
+    bound on that of a distance (length). farthest: largest coordinate (length): who sums r_i . F_i for the virial
+    rounds by that.
     """
     s = (apart * apart).sum(axis=-1)
     near = s < s.dtype.type(cutoff) ** 2
@@ -188,9 +190,9 @@ def _summed(
         forces,
         found.energy.sum() / 2,
         -(found.slope * s).sum(),
-        np.bincount(i, 12 * strength / r, number),
-        float(strength.sum()) / 2 * (1 + number * EPSILON),
-        6 * float(strength.sum()),
+        np.bincount(i, 12 * strength / r, number).astype(np.float64),
+        float(strength.sum()) / 2,
+        6 * float(strength.sum()) + 12 * farthest * EPSILON * float((np.asarray(found.size) / r).sum()),
     )
 
 

@@ -113,11 +113,12 @@ def audit_samples(ledger: Ledger, scene: Scene, run: Run, where: str) -> None:
     positions, velocities = run.get("positions"), run.get("velocities")
     samples: dict[int, tuple[Floats, Floats]] = {0: (state.positions, state.velocities)}
     if positions is not None and velocities is not None:
-        ledger.note("positions of the start", positions[0] - state.positions, 1e-300, where)
-        ledger.note("velocities of the start", velocities[0] - state.velocities, 1e-300, where)
+        # an engine may keep momenta, or other units: a rounding or two
+        for name, given, found in (("positions", state.positions, positions), ("velocities", state.velocities, velocities)):
+            ledger.note(f"{name} of the start", found[0] - given, 2 * EPSILON * abs(given) + 1e-300, where)
         samples.update(enumerate(zip(positions, velocities, strict=True)))
-        ledger.note("positions of the end", positions[-1] - run["final_positions"], 1e-300, where)
-        ledger.note("velocities of the end", velocities[-1] - run["final_velocities"], 1e-300, where)
+        ledger.note("last sample of the positions", positions[-1] - run["final_positions"], 1e-300, where)
+        ledger.note("last sample of the velocities", velocities[-1] - run["final_velocities"], 1e-300, where)
     else:
         samples[len(run["time"]) - 1] = run["final_positions"], run["final_velocities"]
     for sample, (r, v) in samples.items():

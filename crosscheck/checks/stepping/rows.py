@@ -35,7 +35,7 @@ FACTORS: dict[str, tuple[str, ...]] = {
         *("periodic", "open", "open first", "open last", "open middle"),
         *("walls", "wall first", "wall middle", "wall last"),
     ),
-    # in cutoffs: two or more; one to two, where a pair may meet twice; less than one, where a particle meets itself
+    # of the first or last periodic axis, in cutoffs: below two, a pair may meet twice; below one, a particle itself
     "shortest side": ("long", "first < 2", "last < 2", "first < 1", "last < 1"),
     "truncation": ("truncated", "shifted", "force_shifted"),
     "species": ("one", "unlike", "unlike epsilon", "unlike length"),
@@ -55,29 +55,28 @@ def _boundaries(row: Row) -> tuple[str, ...]:
     kind, _, place = row["boundaries"].partition(" ")
     if not place:
         return ({"walls": "wall"}.get(kind, kind),) * d
-    axis = {"first": 0, "middle": 1, "last": d - 1}[place]
+    axis = {"first": 0, "middle": d // 2, "last": d - 1}[place]
     return tuple(kind if k == axis else "periodic" for k in range(d))
 
 
-def _short_axis(row: Row) -> int:
-    return 0 if row["shortest side"].startswith("first") else int(row["dimension"]) - 1
+def _short_axis(row: Row) -> int | None:
+    """The axis along which a row's box is short; None if it is nowhere, or could not be."""
+    periodic = [axis for axis, kind in enumerate(_boundaries(row)) if kind == "periodic"]
+    if row["shortest side"] == "long" or not periodic:
+        return None
+    return periodic[0 if row["shortest side"].startswith("first") else -1]
 
 
 def _valid(row: Row) -> bool:
-    if row["dimension"] == "2" and "middle" in row["boundaries"]:
+    if row["shortest side"] != "long" and _short_axis(row) is None:
         return False
-    boundaries = _boundaries(row)
-    if row["shortest side"] != "long" and boundaries[_short_axis(row)] != "periodic":
-        return False
-    if row["particles"] == "1 particle" and row["species"] != "one":
-        return False
-    return row["place"] == "in the box" or "wall" not in boundaries or "periodic" in boundaries
+    return row["place"] == "in the box" or row["boundaries"] != "walls"
 
 
 @cache
 def rows() -> tuple[list[Row], set[Pair]]:
-    """Rows in which every pair of levels occurs, and the pairs that no scene can have: walls in the middle of a plane,
-    a short side that is not periodic, and the like."""
+    """Rows in which every pair of levels occurs, and the pairs that no scene can have: a short side where no axis is
+    periodic, another place between walls on all sides."""
     return covering(FACTORS, _valid, seed=1)
 
 
@@ -100,9 +99,10 @@ def scene_of(row: Row, seed: int) -> Scene:
     rng = np.random.default_rng(seed)
     d, boundaries = int(row["dimension"]), _boundaries(row)
     sides = np.array([5.9, 6.6, 5.3][:d] if d == 3 else [6.1, 7.3])
-    if row["shortest side"] != "long":
-        # 2.64 and 1.3: below one and two cutoffs, above the length of a particle
-        sides[_short_axis(row)] = {"1": 0.62, "2": 1.31}[row["shortest side"][-1]] * _CUTOFF
+    short = _short_axis(row)
+    if short is not None:
+        # 3.1 and 1.5: below one and two cutoffs, above the length of a particle
+        sides[short] = {"1": 0.62, "2": 1.31}[row["shortest side"][-1]] * _CUTOFF
     walled, periodic = (np.array([kind == name for kind in boundaries]) for name in ("wall", "periodic"))
     margin = np.where(walled, 0.85, 0.0)
     room = sides - 2 * margin
@@ -121,7 +121,7 @@ def scene_of(row: Row, seed: int) -> Scene:
         dimension=d,
         duration=STEPS * STEP,
         masses=masses if row["masses"] != "unlike" or number > 1 else masses[0],
-        species=tuple(int(k) for k in np.arange(number) * 2 % max(kinds)) if max(kinds) > 1 else None,
+        species=tuple(int(k) for k in (1 + np.arange(number)) % max(kinds)) if max(kinds) > 1 else None,
         lennard_jones=LennardJones(
             epsilon=epsilon if kinds[0] > 1 else epsilon[0],
             length=length if kinds[1] > 1 else length[0],
