@@ -45,11 +45,12 @@ class _Pairs(NamedTuple):
     size: Floats
 
 
-def smooth(scene: Scene, positions: Floats, *, extended: bool = True) -> Smooth:
+def smooth(scene: Scene, positions: Floats, *, extended: bool = True, uncertainty: float = 0.0) -> Smooth:
     """The forces on the particles of `scene` at other positions than those of its start.
 
     scene: of [spring], [gravity] or [lennard_jones]. positions: (N, d), length. extended: in long double, else in
-    double: what another code of this precision would find. See the module for derivation and literature.
+    double: what another code of this precision would find. uncertainty: of the positions of Lennard-Jones particles
+    (length), which then counts in the bounds. See the module for derivation and literature.
     """
     state = scene.initial_state()
     x = np.asarray(positions, dtype=np.longdouble if extended else np.float64)
@@ -66,10 +67,11 @@ def smooth(scene: Scene, positions: Floats, *, extended: bool = True) -> Smooth:
         _images(x, periods, lj.cutoff),
         lambda s, i, j: _lennard_jones(s, epsilon[i, j], sigma[i, j], lj),
         lj.cutoff,
-        rounding,
+        rounding + 2 * uncertainty,
         float(abs(x).max(initial=0.0)),
     )
-    return _between_walls(scene, x, found) if scene.box is not None and scene.box.wall is not None else found
+    walled = scene.box is not None and scene.box.wall is not None
+    return _between_walls(scene, x, found, uncertainty) if walled else found
 
 
 def accelerations(scene: Scene, positions: Floats, velocities: Floats, *, extended: bool = True) -> Floats:
@@ -196,7 +198,7 @@ def _summed(
     )
 
 
-def _between_walls(scene: Scene, x: Floats, found: Smooth) -> Smooth:
+def _between_walls(scene: Scene, x: Floats, found: Smooth, uncertainty: float) -> Smooth:
     """With the energy and the forces of 12-6 walls on both faces of each axis with walls."""
     assert scene.box is not None
     wall, lengths = scene.box.wall, scene.lengths()
@@ -213,7 +215,8 @@ def _between_walls(scene: Scene, x: Floats, found: Smooth) -> Smooth:
             pair = _lennard_jones(z**2, epsilon, sigma, potential)
             forces[:, axis] += np.where(near, -2 * pair.slope * z * inward, 0)
             energy = energy + np.where(near, pair.energy, 0).sum()
-            error = np.where(near, pair.size * (14 * lengths[axis] / z + 16 + len(x)) * EPSILON, 0)
+            relative = 14 * (lengths[axis] * EPSILON + uncertainty) / z + (16 + len(x)) * EPSILON
+            error = np.where(near, pair.size * relative, 0)
             forces_error += np.asarray(12 * error / z, dtype=np.float64)
             energy_error += float(error.sum())
     return found._replace(forces=forces, energy=energy, forces_error=forces_error, energy_error=energy_error)

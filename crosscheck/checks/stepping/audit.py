@@ -6,15 +6,17 @@ that it was found in.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from crosscheck.checks.base import Laboratory
-from crosscheck.engines.capabilities import refusal
+from crosscheck.engines.capabilities import refusal, scheme_of
 from crosscheck.engines.protocol import Run
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import Unsupported
+from crosscheck.pairs import Row
 from crosscheck.references import EPSILON
 from crosscheck.references.recurrences import MAPS, Path, Problem, solutions
 from crosscheck.references.smooth_forces import Smooth, accelerations, kinetic_energy, smooth
@@ -173,7 +175,7 @@ class Expected:
         first: Smooth = smooth(scene, state.positions)
         masses = np.where(state.masses > 0, state.masses, 1.0)
         kick = dt * float((first.forces_error / masses).max()) * count
-        self._bounds = []
+        self._bounds: list[tuple[Floats, Floats]] = []
         for exact, doubled in zip(self._paths, rounded, strict=True):
             apart = [abs(a - b).max(axis=(1, 2)) for a, b in zip(exact, doubled, strict=True)]
             size = [float(abs(part).max()) for part in exact]
@@ -198,9 +200,9 @@ class Expected:
             found.append((np.inf if np.isnan(share) else share, (errors, (limits[0], limits[1]))))
         return min(found, key=lambda one: one[0])[1]
 
-    def path(self) -> Path:
-        """Positions and velocities by the first map, (steps + 1, N, d) each, long double."""
-        return self._paths[0]
+    def path(self) -> tuple[Path, tuple[Floats, Floats]]:
+        """Positions and velocities by the first map, (steps + 1, N, d) each, and their bounds, (steps + 1,) each."""
+        return self._paths[0], self._bounds[0]
 
 
 def audit_steps(ledger: Ledger, expected: Expected, run: Run, steps: int, every: int, where: str) -> None:
@@ -216,6 +218,58 @@ def audit_steps(ledger: Ledger, expected: Expected, run: Run, steps: int, every:
         errors, bounds = expected.compared([steps], run["final_positions"][None], run["final_velocities"][None])
     ledger.note("positions, step by step", errors[0], bounds[0], where)
     ledger.note("velocities, step by step", errors[1], bounds[1], where)
+
+
+def audit_energies(ledger: Ledger, scene: Scene, expected: Expected, run: Run, every: int, where: str) -> None:
+    """Energies and virial of a run against those of the expected states, which an engine need not have recorded.
+
+    scene: that `run` is of. expected: of its scheme. every: steps between samples. where: the scene, in words.
+    """
+    (positions, velocities), (apart, slower) = expected.path()
+    masses = scene.initial_state().masses
+    for sample in range(len(run["time"])):
+        step = sample * every
+        exact = smooth(scene, positions[step], uncertainty=float(apart[step]))
+        kinetic, bound = kinetic_energy(masses, velocities[step])
+        bound += float(slower[step] * (masses[:, None] * abs(velocities[step])).sum())
+        values = {
+            "kinetic_energy": (kinetic, bound),
+            "potential_energy": (exact.energy, exact.energy_error),
+            "virial": (exact.virial, exact.virial_error),
+        }
+        for name in set(values) & set(run):
+            ledger.note(name, run[name][sample] - values[name][0], values[name][1], where)
+
+
+# -- rows --------------------------------------------------------------------------------------------------------------
+
+
+def audit_rows(
+    laboratory: Laboratory,
+    rows: Sequence[tuple[int, Row]],
+    scene_of: Callable[[Row, int], Scene],
+    factors: Mapping[str, Sequence[str]],
+    dt: float,
+    steps: int,
+) -> Findings:
+    """Every sample and every step of the scenes of rows.
+
+    laboratory: runs them, with velocity Verlet if the engine has it, else with its first scheme. rows: each with its
+    number, which seeds its scene. scene_of: the scene of a row and a seed. factors: the features, of which a message
+    leaves out those at their first level. dt, steps: of a run.
+    """
+    ledger, engine = Ledger(), engine_class(laboratory.engine)
+    for number, row in rows:
+        where = "; ".join(f"{name}: {level}" for name, level in row.items() if level != factors[name][0]) or "plain"
+        scene = asking(laboratory.engine, scene_of(row, number).changed(duration=steps * dt), dt)
+        first = scheme_of(engine, scene.interaction, "stepping")
+        scheme = "velocity_verlet" if "velocity_verlet" in engine.schemes else str(first)
+        run = run_or_refuse(laboratory, ledger, scene, Method(scheme=scheme, dt=dt))
+        if run is not None:
+            audit_samples(ledger, scene, run, where)
+            if has_recurrence(scheme):
+                audit_steps(ledger, Expected(scene, scheme, dt, steps), run, steps, 1, where)
+    return ledger.findings()
 
 
 def has_recurrence(scheme: str) -> bool:

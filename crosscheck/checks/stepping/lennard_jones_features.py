@@ -11,21 +11,12 @@ from typing import Any
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, variants_of
-from crosscheck.checks.stepping.audit import (
-    Expected,
-    Ledger,
-    asking,
-    audit_samples,
-    audit_steps,
-    has_recurrence,
-    run_or_refuse,
-)
+from crosscheck.checks.stepping.audit import audit_rows
 from crosscheck.checks.stepping.faults import pair_fault
-from crosscheck.engines.capabilities import Needs, scheme_of
-from crosscheck.engines.registry import engine_class
+from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.pairs import Pair, Row, covering
-from crosscheck.scene import Box, Floats, LennardJones, Method, Scene, Wall, explicit
+from crosscheck.scene import Box, Floats, LennardJones, Scene, Wall, explicit
 from crosscheck.verdict import Judged
 
 #: Features of scenes of Lennard-Jones particles and their levels.
@@ -119,7 +110,7 @@ def scene_of(row: Row, seed: int) -> Scene:
     return Scene(
         name="pairs-of-features",
         dimension=d,
-        duration=STEPS * STEP,
+        duration=0.0,
         masses=masses if row["masses"] != "unlike" or number > 1 else masses[0],
         species=tuple(int(k) for k in (1 + np.arange(number)) % max(kinds)) if max(kinds) > 1 else None,
         lennard_jones=LennardJones(
@@ -140,19 +131,7 @@ def scene_of(row: Row, seed: int) -> Scene:
 
 def _judge(laboratory: Laboratory, chunk: int) -> Judged:
     """chunk: which of the parts of all rows."""
-    ledger = Ledger()
-    engine = engine_class(laboratory.engine)
-    names = [name for name in ("velocity_verlet", scheme_of(engine, "lennard_jones", "stepping")) if name]
-    scheme = next(name for name in names if name in engine.schemes)
-    for number, row in list(enumerate(rows()[0]))[chunk::CHUNKS]:
-        where = "; ".join(f"{name}: {level}" for name, level in row.items() if level != FACTORS[name][0]) or "plain"
-        scene = asking(laboratory.engine, scene_of(row, number), STEP)
-        run = run_or_refuse(laboratory, ledger, scene, Method(scheme=scheme, dt=STEP))
-        if run is not None:
-            audit_samples(ledger, scene, run, where)
-            if has_recurrence(scheme):
-                audit_steps(ledger, Expected(scene, scheme, STEP, STEPS), run, STEPS, 1, where)
-    return ledger.findings()
+    return audit_rows(laboratory, list(enumerate(rows()[0]))[chunk::CHUNKS], scene_of, FACTORS, STEP, STEPS)
 
 
 CHECKS = (
