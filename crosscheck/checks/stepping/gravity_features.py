@@ -5,17 +5,16 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, variants_of
-from crosscheck.checks.stepping.audit import audit_rows
+from crosscheck.checks.stepping.audit import Features, audit_rows
 from crosscheck.checks.stepping.faults import gravity_fault
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
-from crosscheck.pairs import Pair, Row, covering
+from crosscheck.pairs import Pair, Row
 from crosscheck.scene import Gravity, Scene, explicit
 from crosscheck.verdict import Judged
 
@@ -29,13 +28,8 @@ FACTORS: dict[str, tuple[str, ...]] = {
     "bodies": ("5", "2", "13"),
     "place": ("about the origin", "elsewhere"),
 }
-CHUNKS, STEPS, STEP = 2, 3, 0.02
-
-
-@cache
-def rows() -> tuple[list[Row], set[Pair]]:
-    """Rows in which every pair of levels occurs, and the pairs that no scene can have: two bodies, both without mass."""
-    return covering(FACTORS, lambda row: not (row["bodies"] == "2" and row["masses"].endswith("0")), seed=2)
+#: Number of variants.
+CHUNKS = 2
 
 
 def scene_of(row: Row, seed: int) -> Scene:
@@ -57,9 +51,21 @@ def scene_of(row: Row, seed: int) -> Scene:
     )
 
 
+def _valid(row: Row) -> bool:
+    return not (row["bodies"] == "2" and row["masses"].endswith("0"))
+
+
+FEATURES = Features(FACTORS, _valid, scene_of, dt=0.02, steps=3, seed=2)
+
+
+def rows() -> tuple[list[Row], set[Pair]]:
+    """Rows in which every pair of levels occurs, and the pairs that no scene can have: two bodies, both without mass."""
+    return FEATURES.rows
+
+
 def _judge(laboratory: Laboratory, chunk: int) -> Judged:
     """chunk: which of the parts of all rows."""
-    return audit_rows(laboratory, list(enumerate(rows()[0]))[chunk::CHUNKS], scene_of, FACTORS, STEP, STEPS)
+    return audit_rows(laboratory, FEATURES, chunk, CHUNKS)
 
 
 CHECKS = (

@@ -5,17 +5,16 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, variants_of
-from crosscheck.checks.stepping.audit import audit_rows
+from crosscheck.checks.stepping.audit import Features, audit_rows
 from crosscheck.checks.stepping.faults import pair_fault
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
-from crosscheck.pairs import Pair, Row, covering
+from crosscheck.pairs import Pair, Row
 from crosscheck.scene import Box, Floats, LennardJones, Scene, Wall, explicit
 from crosscheck.verdict import Judged
 
@@ -35,8 +34,8 @@ FACTORS: dict[str, tuple[str, ...]] = {
     "place": ("in the box", "periods away", "thousands of periods away"),
     "particles": ("1 tile", "1 particle", "2 tiles"),
 }
-#: Variants, and steps of a run; time step, in units of which nothing moves far.
-CHUNKS, STEPS, STEP = 6, 3, 0.004
+#: Number of variants.
+CHUNKS = 6
 _SIGMA, _CUTOFF = 1.1, 2.4
 
 
@@ -62,13 +61,6 @@ def _valid(row: Row) -> bool:
     if row["shortest side"] != "long" and _short_axis(row) is None:
         return False
     return row["place"] == "in the box" or row["boundaries"] != "walls"
-
-
-@cache
-def rows() -> tuple[list[Row], set[Pair]]:
-    """Rows in which every pair of levels occurs, and the pairs that no scene can have: a short side where no axis is
-    periodic, another place between walls on all sides."""
-    return covering(FACTORS, _valid, seed=1)
 
 
 def _places(rng: np.random.Generator, room: Floats, periodic: Floats, number: int) -> Floats:
@@ -129,9 +121,18 @@ def scene_of(row: Row, seed: int) -> Scene:
     )
 
 
+FEATURES = Features(FACTORS, _valid, scene_of, dt=0.004, steps=3, seed=1)
+
+
+def rows() -> tuple[list[Row], set[Pair]]:
+    """Rows in which every pair of levels occurs, and the pairs that no scene can have: a short side where no axis is
+    periodic, another place between walls on all sides."""
+    return FEATURES.rows
+
+
 def _judge(laboratory: Laboratory, chunk: int) -> Judged:
     """chunk: which of the parts of all rows."""
-    return audit_rows(laboratory, list(enumerate(rows()[0]))[chunk::CHUNKS], scene_of, FACTORS, STEP, STEPS)
+    return audit_rows(laboratory, FEATURES, chunk, CHUNKS)
 
 
 CHECKS = (

@@ -5,16 +5,15 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, variants_of
-from crosscheck.checks.stepping.audit import audit_rows
+from crosscheck.checks.stepping.audit import Features, audit_rows
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
-from crosscheck.pairs import Pair, Row, covering
+from crosscheck.pairs import Pair, Row
 from crosscheck.scene import Scene, Spring, explicit
 from crosscheck.verdict import Judged
 
@@ -25,13 +24,6 @@ FACTORS: dict[str, tuple[str, ...]] = {
     "friction": ("none", "0.3"),
     "particles": ("1", "4"),
 }
-STEPS, STEP = 4, 0.15
-
-
-@cache
-def rows() -> tuple[list[Row], set[Pair]]:
-    """Rows in which every pair of levels occurs, and the pairs that no scene can have: unlike masses of one particle."""
-    return covering(FACTORS, lambda row: not (row["particles"] == "1" and row["masses"] == "unlike"), seed=3)
 
 
 def scene_of(row: Row, seed: int) -> Scene:
@@ -49,8 +41,20 @@ def scene_of(row: Row, seed: int) -> Scene:
     )
 
 
+def _valid(row: Row) -> bool:
+    return not (row["particles"] == "1" and row["masses"] == "unlike")
+
+
+FEATURES = Features(FACTORS, _valid, scene_of, dt=0.15, steps=4, seed=3)
+
+
+def rows() -> tuple[list[Row], set[Pair]]:
+    """Rows in which every pair of levels occurs, and the pairs that no scene can have: unlike masses of one particle."""
+    return FEATURES.rows
+
+
 def _judge(laboratory: Laboratory, _: str) -> Judged:
-    return audit_rows(laboratory, list(enumerate(rows()[0])), scene_of, FACTORS, STEP, STEPS)
+    return audit_rows(laboratory, FEATURES, 0, 1)
 
 
 CHECKS = (
