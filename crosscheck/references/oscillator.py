@@ -199,6 +199,15 @@ def matrices(scheme: str, kappa: Any, c: Any) -> Linear:
     return _gear(kappa, c, corrector, analytic_start=name == scheme)
 
 
+def gear_corrector(scheme: str) -> tuple[list[Fraction], bool]:
+    """Gear's coefficients alpha_0, alpha_1, ..., and whether the start knows the higher derivatives.
+
+    scheme: its name, else KeyError. Gear (1971); Allen and Tildesley (1987), appendix E.
+    """
+    name = _ZERO_START.get(scheme, scheme)
+    return [Fraction(*pair) for pair in _CORRECTORS[name]], name == scheme
+
+
 def has_matrix(scheme: str) -> bool:
     """Whether the exact numerical solution of this scheme is known here.
 

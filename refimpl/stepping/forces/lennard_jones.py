@@ -459,7 +459,9 @@ def _renew(force: LennardJones) -> None:
 
 @implements(enlarge, LennardJones)
 def _enlarge(force: LennardJones) -> LennardJones:
-    return _with_slots(force._replace(neighbours=enlarge_neighbours(force.neighbours)))
+    # counters of its own: those that it shared would say that the new, empty slots have been filled
+    larger = force._replace(neighbours=enlarge_neighbours(force.neighbours), counters=force.counters.copy())
+    return _with_slots(larger)
 
 
 @implements(periods, LennardJones)

@@ -188,6 +188,29 @@ def test_momentum_is_kept_in_a_periodic_box(melt):
     assert np.abs(a.reshape(-1, 3).sum(axis=0)).max() < 1e-13 * np.abs(a).sum()
 
 
+def test_a_mixture_whose_lists_grow_keeps_its_species():
+    """Twice from one force, as a run is after its compilation: a drop in a box so wide that the first lists are small.
+
+    The second time, the counters of the first said that the new slots had their parameters: all forces were 0.
+    """
+    rng = np.random.default_rng(9)
+    r = jittered_lattice(rng, 64, 3, 1.1)
+    force = lennard_jones(
+        number=64,
+        dimension=3,
+        lengths=(40.0,) * 3,
+        periodic=(True,) * 3,
+        cutoff=2.5,
+        epsilon=(1.0, 0.5),
+        sigma=(1.0, 0.9),
+        species=np.arange(64) % 2,
+    )
+    first, a = evaluated(force, r)
+    assert first is not force
+    np.testing.assert_array_equal(evaluated(force, r)[1], a)
+    np.testing.assert_allclose(a, plain_forces(force, r)[0], rtol=0, atol=ROUND_OFF * np.abs(a).max())
+
+
 def test_same_coordinates_give_the_same_bits(melt):
     force, r = melt
     _, first = evaluated(force, r)

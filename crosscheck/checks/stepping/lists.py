@@ -1,0 +1,149 @@
+"""Neighbour lists in use: energies at every step of runs in which pairs come and go, by sums over all pairs.
+
+A run that records states may make its lists anew for each of them. So the energies are recorded without states, and
+compared with those along the path that the scheme's recurrence takes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.stepping.audit import (
+    Expected,
+    Ledger,
+    asking,
+    audit_energies,
+    audit_samples,
+    audit_steps,
+    run_or_refuse,
+)
+from crosscheck.checks.stepping.faults import STALE_LISTS
+from crosscheck.engines.capabilities import Needs
+from crosscheck.faults import Fault
+from crosscheck.scene import Box, LennardJones, Method, Scene, explicit
+from crosscheck.verdict import Judged
+
+_SCHEME = "velocity_verlet"
+
+
+class Motion(NamedTuple):
+    """A scene in which pairs come and go. dt: time step. steps: of the run. every: steps between recorded states."""
+
+    scene: Scene
+    dt: float
+    steps: int
+    every: int
+
+
+def _grid(rng: np.random.Generator, counts: tuple[int, ...], spacing: float) -> np.ndarray:
+    """Places of a lattice, each displaced by up to 0.12 of its spacing, (N, d)."""
+    places = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, len(counts)) + 0.5
+    return np.asarray((places + rng.uniform(-0.12, 0.12, places.shape)) * spacing)
+
+
+def _scene(name: str, sides: tuple[float, ...], x: np.ndarray, v: np.ndarray, **entries: object) -> Scene:
+    given = {"lennard_jones": LennardJones(cutoff=2.2), "box": Box(lengths=sides), **entries}
+    return Scene(name=name, dimension=len(sides), duration=0.0, initial=explicit(x, v), **given)  # type: ignore[arg-type]
+
+
+def _motions() -> dict[str, Motion]:
+    rng = np.random.default_rng(21)
+    flat = _grid(rng, (4, 2), 1.35)
+    drift = _scene("drift", (7.4, 2.9), flat, rng.normal(size=flat.shape) + (31.0, -17.0))
+    block = _grid(rng, (2, 3, 2), 1.3)
+    slab = _scene(
+        "slab",
+        (2.6, 7.9, 5.2),
+        block,
+        rng.normal(size=block.shape) + (-9.0, 21.0, 0.0),
+        box=Box(lengths=(2.6, 7.9, 5.2), boundaries=("periodic", "periodic", "open")),
+    )
+    # one particle crosses the box half-way between two rows of others
+    rows = np.array([[0.7 + 1.2 * i, y] for y in (0.8, 3.2) for i in range(5)] + [[0.3, 2.03]])
+    speed = np.zeros_like(rows)
+    speed[-1] = 55.0, 0.0
+    fast = _scene("fast", (13.0, 4.6), rows, speed)
+    # far apart, and on its way to one place: lists outgrow their memory in mid-run
+    sparse = _grid(rng, (3, 3, 3), 4.2)
+    species = tuple(i % 2 for i in range(len(sparse)))
+    closing = _scene(
+        "closing",
+        (33.0, 31.0, 29.0),
+        sparse,
+        (6.3 - sparse) * 7.0,
+        species=species,
+        masses=tuple(1.0 + 0.1 * i for i in range(len(sparse))),
+        lennard_jones=LennardJones(cutoff=2.6, epsilon=(1.0, 0.5), length=(1.0, 0.85), truncation="shifted"),
+    )
+    dense = _grid(rng, (4, 4, 4), 1.15)
+    kinds = tuple(i % 2 for i in range(len(dense)))
+    drop = closing.changed(
+        name="drop", species=kinds, masses=1.0, initial=explicit(dense + 3.0, rng.normal(size=dense.shape))
+    )
+    return {
+        "drift": Motion(drift, 0.004, 36, 9),
+        "slab": Motion(slab, 0.004, 32, 8),
+        "fast-particle": Motion(fast, 0.004, 36, 12),
+        "closing-in": Motion(closing, 0.0095, 10, 5),
+        "drop": Motion(drop, 0.004, 2, 1),
+    }
+
+
+def _judge(laboratory: Laboratory, motion: Motion) -> Judged:
+    scene, dt, steps, every = motion
+    scene, method = scene.changed(duration=steps * dt), Method(scheme=_SCHEME, dt=dt)
+    ledger = Ledger()
+    silent = asking(laboratory.engine, scene, dt, trajectory=False)
+    run = run_or_refuse(laboratory, ledger, silent, method)
+    if run is not None:
+        expected = Expected(scene, _SCHEME, dt, steps)
+        audit_energies(ledger, silent, expected, run, 1, "no states recorded")
+        audit_steps(ledger, expected, run, steps, 1, "no states recorded")
+        recorded = asking(laboratory.engine, scene, every * dt)
+        run = laboratory.run(recorded, method)
+        audit_samples(ledger, recorded, run, f"every {every} steps")
+        audit_steps(ledger, expected, run, steps, every, f"every {every} steps")
+    return ledger.findings()
+
+
+_LISTS = "stepping/kernels/neighbours.py"
+
+CHECKS = (
+    Check(
+        name="stepping/lennard-jones-lists",
+        title="Energies at every step while pairs come and go: drift through the box, a fast particle, a cloud closing in",
+        equation="U, W, K at r_n, v_n of velocity Verlet, by sums over all pairs and images",
+        criterion="each within bounds of rounding: of coordinates, terms and sums, and of velocity Verlet in doubles",
+        citation="Verlet, Phys. Rev. 159, 98 (1967); Allen & Tildesley, Computer Simulation of Liquids (1987), 5.3",
+        judge=_judge,
+        variants=variants_of(_motions()),
+        faults=(
+            ("drift", STALE_LISTS),
+            (
+                "fast-particle",
+                Fault(
+                    "list-of-twice-the-skin",
+                    _LISTS,
+                    "limit2 = (0.5 * CLOSE * SAFE * neighbours.skin) ** 2",
+                    "limit2 = (2.0 * CLOSE * SAFE * neighbours.skin) ** 2",
+                    "the close lists are kept until a particle has moved twice their skin",
+                ),
+            ),
+            (
+                "drop",
+                Fault(
+                    "slots-without-species",
+                    "stepping/forces/lennard_jones.py",
+                    "counters=force.counters.copy())",
+                    "counters=force.counters)",
+                    "after the lists of a mixture have been enlarged, particles have no size",
+                ),
+            ),
+        ),
+        needs=Needs("lennard_jones", schemes=(_SCHEME,)),
+        interpreted=True,
+    ),
+)
