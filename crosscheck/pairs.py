@@ -21,7 +21,7 @@ Pair: TypeAlias = tuple[tuple[str, str], tuple[str, str]]
 _Feature: TypeAlias = tuple[str, str]
 
 #: Rows that are tried for one pair, beside the one with all other factors at their first level.
-_TRIED = 30
+_TRIED = 5
 
 
 def pairs_of(row: Row) -> set[Pair]:
