@@ -77,7 +77,7 @@ def _with_pair(
         chance.shuffle(levels)
         return sorted(levels, key=lambda level: -len(missing[name, level] & row.items()))
 
-    rows = []
+    rows: list[Row] = []
     for levels in (plain, *[greedy] * _TRIED):
         row = _completed(dict(pair), valid, factors, levels)
         if row is None:

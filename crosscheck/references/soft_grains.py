@@ -1,10 +1,10 @@
 """An auditor of soft grains: contact forces from their definitions, and each step of a run from the one before.
 
-Written for clarity and as a second derivation: all pairs and all walls at once, in numpy, without lists or cells. In the
-plane, vectors have a third component 0, and spins are along it.
+Written for clarity, as a second derivation: all pairs and all walls at once, without lists or cells. In the plane,
+vectors have a third component 0, and spins are along it.
 
-The laws. Bodies i and j touch where delta = R_i + R_j - |r_ij| > 0, r_ij = r_i - r_j of the nearest images, n = r_ij/|r_ij|;
-a wall is a body j without radius of its own, of infinite mass, whose velocity is that of its surface. With the velocity
+The laws. Bodies i and j touch where delta = R_i + R_j - |r_ij| > 0; r_ij = r_i - r_j of nearest images, n = r_ij/|r_ij|.
+A wall is a body j without radius of its own, of infinite mass, whose velocity is that of its surface. With the velocity
 g = v_i - v_j of the centres and u = g - (g.n) n - (R_i w_i + R_j w_j) x n of the surfaces along each other, and s = 1
 ("hooke") or sqrt(R_eff delta) ("hertz"), R_eff = R_i R_j/(R_i + R_j), or R_i at a wall,
 
@@ -12,7 +12,7 @@ g = v_i - v_j of the centres and u = g - (g.n) n - (R_i w_i + R_j w_j) x n of th
 
 acts on i, and the opposite on j; the torques are -A_i n x F_t and -A_j n x F_t with arms A = R. The dashpots are
 
-    eta = 2 zeta sqrt(m_eff k s) of a restitution, sqrt(5) zeta for 2 zeta of "hertz", ln alpha = -pi zeta/sqrt(1 - zeta^2),
+    eta = 2 zeta sqrt(m_eff k s) of a restitution, "hertz" sqrt(5) zeta; ln alpha = -pi zeta/sqrt(1 - zeta^2),
     eta = s gamma m_eff          of coefficients of one's own,
 
 and k_t and eta_t of a tangential restitution alpha_t those with which, in the time t_c of a contact, the tangential
@@ -25,8 +25,8 @@ becomes the stretch that gives this F_t. A dashpot beyond the limit exerts nothi
 turned into the tangential plane, at its length, before it grows; the arms of their pairs are A = R - delta/2, and a
 component along n whose spring force is below 1e-10 of the limit is left.
 
-The steps are those of velocity Verlet: v_h = v + a dt/2, r' = r + v_h dt, v' = v_h + a' dt/2, where a' is that of r', v_h
-and the spins at the half-step. `audit` computes each step from the recorded state before it, so errors do not grow, and
+The steps are those of velocity Verlet: v_h = v + a dt/2, r' = r + v_h dt, v' = v_h + a' dt/2, with a' of r', of v_h
+and of the spins at the half-step. `audit` computes each step from the recorded state before it, so errors do not grow:
 what is found is rounding or wrong; the stretches alone are its own, followed from the start.
 
 Literature: P. A. Cundall and O. D. L. Strack, Geotechnique 29, 47 (1979); L. E. Silbert et al., Phys. Rev. E 64, 051302
@@ -36,9 +36,9 @@ W. C. Swope, H. C. Andersen, P. H. Berens and K. R. Wilson, J. Chem. Phys. 76, 6
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field as entry
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -147,7 +147,7 @@ class _Wall(NamedTuple):
     motion: tuple[float, float, float]
 
 
-@dataclass
+@dataclasses.dataclass
 class Contacts:
     """All contacts of a scene that may be, with the stretches of their tangential springs.
 
@@ -157,8 +157,8 @@ class Contacts:
 
     scene: Scene
     contact: Contact
-    stretches: Floats = entry(init=False)
-    slid: int = entry(init=False)
+    stretches: Floats = dataclasses.field(init=False)
+    slid: int = dataclasses.field(init=False)
 
     def __post_init__(self) -> None:
         scene, contact = self.scene, self.contact
@@ -349,7 +349,7 @@ class Contacts:
             least = np.where(np.isfinite(mu), _SLIGHT * limit, 0.0)
             xi = np.where((abs(along) * k_t > least)[:, None], turned, xi)
         xi = np.where(rough[:, None], xi + elapsed * u, 0.0)
-        begun = xi.any(axis=1)
+        begun = np.asarray(xi.any(axis=1))
         if not self._turned_first and elapsed != 0.0:
             xi = xi - (xi * n).sum(axis=1)[:, None] * n
         free = -k_t[:, None] * xi - dashpot
@@ -441,9 +441,9 @@ class _Largest:
         error = float(np.abs(np.asarray(measured) - np.asarray(expected)).max(initial=0.0))
         share = error / rounding if rounding > 0 else (0.0 if error == 0 else math.inf)
         before = self.findings.get(name)
-        if before is None or not share <= before.share:
-            if before is None or not math.isnan(before.share):
-                self.findings[name] = Finding(share, error, rounding, sample)
+        # not "larger": a NaN is the largest, and stays
+        if before is None or not (share <= before.share or math.isnan(before.share)):
+            self.findings[name] = Finding(share, error, rounding, sample)
 
 
 def _padded(vectors: Floats) -> Floats:
@@ -481,7 +481,7 @@ def audit(scene: Scene, contact: Contact, dt: float, run: Mapping[str, Floats]) 
     found.compare("velocities", v[0], _padded(state.velocities), 0.0, 0)
     if state.angular_velocities is not None:
         found.compare("angular_velocities", w[0], _spins({"w": state.angular_velocities}, "w", r[0].shape), 0.0, 0)
-    size = max(float(abs(r).max()), float(np.max(scene.lengths(), initial=0.0)) if scene.box is not None else 0.0)
+    size = float(max(abs(r).max(), *(() if state.lengths is None else state.lengths)))
     speed = _largest_speed(scene, v, w, contacts)
     by_place, by_speed = contacts.steepest
     light, small = float(contacts.masses.min()), float(contacts.inertias.min() / contacts.masses.min()) ** 0.5

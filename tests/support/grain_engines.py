@@ -138,7 +138,15 @@ class Right:
         return [a, turn, float(contacts), virial, on_faces]
 
     def contact(
-        self, pair: tuple[int, int], law: ContactLaw, delta: float, mass: float, n: Any, g: Any, roll: Any, elapsed: float
+        self,
+        pair: tuple[int, int],
+        law: ContactLaw,
+        delta: float,
+        mass: float,
+        n: Any,
+        g: Any,
+        roll: Any,
+        elapsed: float,
     ) -> tuple[float, Any]:
         """Normal force, and tangential force as a vector."""
         if delta <= 0:

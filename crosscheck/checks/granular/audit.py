@@ -10,11 +10,11 @@ from functools import cache
 from typing import Any
 
 from crosscheck.checks.base import Check, Laboratory, Variant
-from crosscheck.checks.granular.audited_scenes import Row, audited_method, audited_scene, possible, simple
+from crosscheck.checks.granular.audited_scenes import audited_method, audited_scene, possible, simple
 from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
-from crosscheck.pairs import Pair, covering
+from crosscheck.pairs import Pair, Row, covering
 from crosscheck.references.soft_grains import Audited, audit
 from crosscheck.verdict import Judged, Judgement, bounded, round_off, worst
 
@@ -33,7 +33,7 @@ FACTORS: dict[str, tuple[str, ...]] = {
     "grains": ("alike", "unlike masses", "unlike sizes", "unlike masses and sizes"),
     "inertia": ("default", "given"),
     "field": ("none", "along one axis", "oblique"),
-    "start": ("apart", "in contact", "in other images"),
+    "start": ("apart", "in contact", "in other images", "one far away"),
     "motion": ("slow", "fast"),
     "tallies": ("none", "all"),
 }
@@ -138,7 +138,7 @@ CHECKS = (
     Check(
         name="granular/audit",
         title="Each step of small scenes of soft grains, from the one before",
-        equation="r' = r + dt v_h, v_h = v + dt a/2, v' = v_h + dt a'/2 with the contact laws and stretches of an auditor",
+        equation="r' = r + dt v_h, v_h = v + dt a/2, v' = v_h + dt a'/2, with the forces of an auditor",
         criterion="positions, velocities, spins, energies and sums over the run, to rounding",
         citation="Cundall and Strack, Geotechnique 29, 47 (1979); Silbert et al., Phys. Rev. E 64, 051302 (2001)",
         judge=_judge,

@@ -1,4 +1,4 @@
-"""Small scenes of soft grains that have given features: a crowd in its box, in which contacts begin, end and begin again."""
+"""Small scenes of soft grains with given features: a crowd in which contacts begin, end and begin again."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosscheck.pairs import Row
 from crosscheck.scene import AXES, Contact, Method, Scene
@@ -20,11 +21,10 @@ from crosscheck.scene.parts import (
     Oscillation,
     Output,
 )
-from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-#: Duration of a contact of two grains of mass 1 without damping, steps in it (few: each step is judged, not the impact),
+#: Duration of a contact of two grains of mass 1 without damping, steps in it (few, for each step is judged by itself),
 #: and steps of a run.
 _CONTACT, _RESOLUTION, _STEPS = 0.1, 10, 60
 #: Distance of neighbours in the crowd, over the largest diameter.
@@ -62,6 +62,8 @@ def possible(row: Row) -> bool:
         return False
     if own and "dashpot" in row["friction"] and (row["damping"] != "rates" or row["law"] == "moduli"):
         return False
+    if row["start"] == "one far away":  # along open axes
+        return row["cylinder"] == "none" and any(row[axis] == "open" for axis in AXES[: int(row["dimension"])])
     return row["start"] != "in other images" or any(row[axis] == "periodic" for axis in AXES)
 
 
@@ -162,7 +164,7 @@ def _crowd(row: Row, rng: np.random.Generator, diameters: Floats, cells: list[in
 def audited_scene(row: Row, seed: int, potential: bool) -> Scene:
     """A scene with the features of a row, recorded at each step.
 
-    seed: of places and velocities. potential: whether to ask for the potential energy, and for the torque of a cylinder.
+    seed: of places and velocities. potential: whether to ask for the potential energy.
     """
     d = int(row["dimension"])
     rng = np.random.default_rng(seed)
@@ -177,7 +179,7 @@ def audited_scene(row: Row, seed: int, potential: bool) -> Scene:
     places = _crowd(row, rng, diameters, cells)
     velocities = rng.normal(scale=0.8, size=(number, d)) - 0.8 * places
     lengths = _PITCH * np.array(cells, dtype=float) + 0.03
-    boundaries = []
+    boundaries: list[Any] = []
     for axis in range(d):
         level = row[AXES[axis]]
         boundaries.append("hard" if level in _WALLS else level)
@@ -192,13 +194,13 @@ def audited_scene(row: Row, seed: int, potential: bool) -> Scene:
         radius = float((np.linalg.norm(places[:, across], axis=1) + diameters / 2).max()) + 0.02
         lengths[across] = 2 * radius + np.array([0.3, 0.5])
         turns = {"none": 0.0, "forwards": 1.7, "backwards": -1.3}[row["turning"]]
-        cylinder = Cylinder(
-            radius=radius, axis=None if d == 2 else axis_name, angular_velocity=turns, **_surface(row)
-        )  # type: ignore[arg-type]
+        cylinder = Cylinder(radius=radius, axis=None if d == 2 else axis_name, angular_velocity=turns, **_surface(row))  # type: ignore[arg-type]
     places = places + lengths / 2
     for axis in range(d):
         if row[AXES[axis]] == "periodic" and row["start"] == "in other images":
             places[:, axis] += lengths[axis] * rng.integers(-2, 3, number)
+        if row[AXES[axis]] == "open" and row["start"] == "one far away":
+            places[0, axis] -= 60.0 + 20.0 * axis
     return Scene(
         name="audited grains",
         dimension=d,  # type: ignore[arg-type]
@@ -215,7 +217,9 @@ def audited_scene(row: Row, seed: int, potential: bool) -> Scene:
         ),
         initial=_start(row, rng, places, velocities),
         output=Output(
-            interval=_CONTACT / _RESOLUTION, trajectory=True, observables=_observables(row, potential, cylinder is not None)
+            interval=_CONTACT / _RESOLUTION,
+            trajectory=True,
+            observables=_observables(row, potential, cylinder is not None),
         ),
     )
 
