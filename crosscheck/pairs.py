@@ -17,8 +17,11 @@ Row: TypeAlias = dict[str, str]
 #: Two factors and a level of each, the factors in the order of the table.
 Pair: TypeAlias = tuple[tuple[str, str], tuple[str, str]]
 
+#: A level of a factor.
+_Feature: TypeAlias = tuple[str, str]
+
 #: Rows that are tried for one pair, beside the one with all other factors at their first level.
-_TRIED = 30
+_TRIED = 5
 
 
 def pairs_of(row: Row) -> set[Pair]:
@@ -29,52 +32,83 @@ def pairs_of(row: Row) -> set[Pair]:
 def covering(
     factors: Mapping[str, Sequence[str]], valid: Callable[[Row], bool] = lambda row: True, seed: int = 0
 ) -> tuple[list[Row], set[Pair]]:
-    """Few rows in which each pair of levels of two factors occurs, and the pairs for which no valid row was found.
+    """Few rows in which each pair of levels of two factors occurs, and the pairs that no valid row has.
 
     factors: the levels of each factor; the first one is the absence of the feature, which goes with most others.
-    valid: whether a whole row makes sense. seed: of the choice among rows, greedy otherwise. The same arguments give
-    the same rows.
+    valid: whether a row makes sense. It must take what it needs of a row by `row[factor]`: it is tried on rows that
+    have a part of the factors, and the one that it asks for in vain is chosen next. seed: of the choice among rows,
+    greedy otherwise. The same arguments give the same rows.
     """
     chance = random.Random(seed)
-    names = list(factors)
-    missing = {
-        ((one, a), (other, b)) for one, other in combinations(names, 2) for a in factors[one] for b in factors[other]
-    }
+    features = [(name, level) for name, levels in factors.items() for level in levels]
+    missing = {one: {other for other in features if other[0] != one[0]} for one in features}
     rows: list[Row] = []
     never: set[Pair] = set()
-    for pair in sorted(missing):
-        if pair not in missing:
+    for one, other in sorted((a, b) for (i, a), (j, b) in combinations(enumerate(features), 2) if a[0] != b[0]):
+        if other not in missing[one]:
             continue
-        found = [row for row in _with_pair(factors, pair, missing, chance) if valid(row)]
+        found = _with_pair(factors, valid, {one, other}, missing, chance)
         if not found:
-            never.add(pair)
-            missing.discard(pair)
+            never.add((one, other))
+            missing[one].discard(other)
+            missing[other].discard(one)
             continue
-        best = max(found, key=lambda row: len(pairs_of(row) & missing))
+        best = max(found, key=lambda row: sum(len(missing[feature] & row.items()) for feature in row.items()))
         rows.append(best)
-        missing -= pairs_of(best)
+        for feature in best.items():
+            missing[feature] -= best.items()
     return rows, never
 
 
 def _with_pair(
-    factors: Mapping[str, Sequence[str]], pair: Pair, missing: set[Pair], chance: random.Random
+    factors: Mapping[str, Sequence[str]],
+    valid: Callable[[Row], bool],
+    pair: set[_Feature],
+    missing: Mapping[_Feature, set[_Feature]],
+    chance: random.Random,
 ) -> list[Row]:
-    """Rows that hold the pair: one plain, and others filled with levels whose pairs are still missing."""
-    given = dict(pair)
-    plain = {name: given.get(name, levels[0]) for name, levels in factors.items()}
-    rows = [plain]
-    for _ in range(_TRIED):
-        row = dict(given)
-        free = [name for name in factors if name not in given]
-        chance.shuffle(free)
+    """Valid rows that hold the pair: one as plain as may be, others with levels whose pairs are still missing."""
+
+    def plain(name: str, row: Row) -> Sequence[str]:
+        return factors[name]
+
+    def greedy(name: str, row: Row) -> Sequence[str]:
+        levels = list(factors[name])
+        chance.shuffle(levels)
+        return sorted(levels, key=lambda level: -len(missing[name, level] & row.items()))
+
+    rows: list[Row] = []
+    for levels in (plain, *[greedy] * _TRIED):
+        row = _completed(dict(pair), valid, factors, levels)
+        if row is None:
+            return rows  # there is none, however it is looked for
+        free = [name for name in factors if name not in row]
+        if levels is greedy:
+            chance.shuffle(free)
         for name in free:
-            levels = list(factors[name])
-            chance.shuffle(levels)
-            row[name] = max(levels, key=lambda level: _gain(row, name, level, missing))
+            row[name] = levels(name, row)[0]
         rows.append({name: row[name] for name in factors})
     return rows
 
 
-def _gain(row: Row, name: str, level: str, missing: set[Pair]) -> int:
-    """Number of missing pairs of this level with those that the row has so far."""
-    return sum(((one, a), (name, level)) in missing or ((name, level), (one, a)) in missing for one, a in row.items())
+def _completed(
+    row: Row,
+    valid: Callable[[Row], bool],
+    factors: Mapping[str, Sequence[str]],
+    levels: Callable[[str, Row], Sequence[str]],
+) -> Row | None:
+    """The row with levels of the factors that `valid` asks for, so that it says yes; None if there are none.
+
+    levels: of a factor, in the order in which they are tried.
+    """
+    try:
+        return row if valid(row) else None
+    except KeyError as asked:
+        name = asked.args[0]
+        if name not in factors or name in row:
+            raise
+    for level in levels(name, row):
+        found = _completed(row | {name: level}, valid, factors, levels)
+        if found is not None:
+            return found
+    return None

@@ -35,3 +35,15 @@ def test_the_rows_are_few_and_always_the_same() -> None:
     rows, _ = covering(factors)
     assert len(rows) <= 20  # nine at least, for the pairs of two factors
     assert rows == covering(factors)[0]
+
+
+def test_a_pair_that_needs_a_chain_of_other_levels_is_found() -> None:
+    factors = {"a": ("no", "yes"), "b": ("no", "yes"), "c": ("no", "yes"), "d": ("no", "yes"), "e": ("no", "yes")}
+
+    def chain(row: dict[str, str]) -> bool:
+        return all(row[one] == "no" or row[other] == "yes" for one, other in ("ab", "bc", "cd"))
+
+    rows, never = covering(factors, chain)
+    assert all(map(chain, rows))
+    assert (("a", "yes"), ("e", "yes")) in set().union(*map(pairs_of, rows))
+    assert never == {((one, "yes"), (other, "no")) for one, other in ("ab", "ac", "ad", "bc", "bd", "cd")}
