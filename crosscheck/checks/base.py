@@ -73,8 +73,11 @@ class Laboratory:
         kind for this interaction; the errors of the engine (see `crosscheck.errors`) pass through.
         """
         name = engine or self.engine
-        worker = self.pool.worker(name, self.interpreted and getattr(engine_class(name), "interpretable", False))
-        run = worker.run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
+        method = method if isinstance(method, Method) else _of_kind(name, scene, method)
+        declared = engine_class(name)
+        interpretable = getattr(declared, "interpretable", False)
+        interpretable = interpretable and method.scheme not in getattr(declared, "compiled_schemes", ())
+        run = self.pool.worker(name, self.interpreted and interpretable).run(scene, method)
         for entry, value in asdict(run.cost).items():
             before = getattr(self.cost, entry)
             setattr(self.cost, entry, max(before, value) if entry == "peak_bytes" else before + value)

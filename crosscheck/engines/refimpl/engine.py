@@ -72,6 +72,8 @@ class RefimplEngine:
 
     name = "refimpl"
     interpretable = True
+    #: Their kernels are laid out in machine instructions.
+    compiled_schemes = ("lattice_planes",)
     schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()}
     schemes |= {name: Claims(kind="event_driven") for name in SCHEDULERS}
     schemes |= {name: Claims(kind="lattice") for name in EVOLVERS}
