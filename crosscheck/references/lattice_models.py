@@ -92,25 +92,27 @@ def momentum_flux(model: str, occupations: ArrayLike) -> NDArray[np.float64]:
 # -- equilibrium -----------------------------------------------------------------------------------------
 
 
-def fermi_dirac(model: str, density: float, velocity: ArrayLike) -> NDArray[np.float64]:
-    """Equilibrium f_i = 1/(1 + exp(h + q.c_i)) with sum f_i = b d and sum f_i c_i = b d u, (b,), to rounding.
+def fermi_dirac(model: str, density: ArrayLike, velocity: ArrayLike) -> NDArray[np.float64]:
+    """Equilibrium f_i = 1/(1 + exp(h + q.c_i)) with sum f_i = b d and sum f_i c_i = b d u, (..., b), to rounding.
 
-    density: d, the mean occupation, between 0 and 1. velocity: u (2,), links per step; not near the largest that d
-    allows: ArithmeticError where Newton's method from a gas at rest does not converge.
+    density: d (...), the mean occupation, between 0 and 1. velocity: u (..., 2), links per step; not near the largest
+    that d allows: ArithmeticError where Newton's method from a gas at rest does not converge.
 
     model: a name of `MODELS`, else KeyError.
     """
-    c = VELOCITIES[model].cartesian
+    c, d = VELOCITIES[model].cartesian, np.asarray(density, dtype=np.float64)
     charges = np.column_stack([np.ones(len(c)), c])
-    sums = len(c) * density * np.array([1.0, *np.asarray(velocity, dtype=np.float64)])
-    unknown = np.array([math.log(1 / density - 1), 0.0, 0.0])
+    sums = len(c) * d[..., None] * np.insert(np.asarray(velocity, dtype=np.float64), 0, 1.0, axis=-1)
+    unknown = np.zeros_like(sums)
+    unknown[..., 0] = np.log(1 / d - 1)
     for _ in range(50):
-        f = 1 / (1 + np.exp(charges @ unknown))
-        step = np.linalg.solve((charges.T * (f * (1 - f))) @ charges, charges.T @ f - sums)
+        f = 1 / (1 + np.exp(unknown @ charges.T))
+        curvature = np.einsum("ia,...i,ib->...ab", charges, f * (1 - f), charges)
+        step = np.linalg.solve(curvature, (f @ charges - sums)[..., None])[..., 0]
         unknown = unknown + step
         if np.abs(step).max() < 1e-14 * max(1.0, np.abs(unknown).max()):
-            return np.asarray(1 / (1 + np.exp(charges @ unknown)))
-    raise ArithmeticError(f"no equilibrium found for d = {density}, u = {sums[1:] / sums[0]}")
+            return np.asarray(1 / (1 + np.exp(unknown @ charges.T)))
+    raise ArithmeticError(f"no equilibrium found for d = {density}, u = {np.asarray(velocity).tolist()}")
 
 
 def low_speed_equilibrium(model: str, density: float, velocity: ArrayLike) -> NDArray[np.float64]:
@@ -195,15 +197,15 @@ def _changes(model: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def mean_collision(model: str, occupations: ArrayLike) -> NDArray[np.float64]:
-    """Delta_i = sum_s P(s) sum_t A(s -> t) (t_i - s_i), (b,), P the product of f_j or 1 - f_j: independent channels.
+    """Delta_i = sum_s P(s) sum_t A(s -> t) (t_i - s_i), (..., b), P the product of f_j or 1 - f_j: independent channels.
 
-    occupations: f_i (b,) before the collision.
+    occupations: f_i (..., b) before the collision.
 
     model: a name of `MODELS`, else KeyError.
     """
-    f = np.asarray(occupations, dtype=np.float64)
+    f = np.asarray(occupations, dtype=np.float64)[..., None, :]
     s, change = _changes(model)
-    return np.asarray(np.where(s > 0, f, 1 - f).prod(axis=1) @ change)
+    return np.asarray(np.where(s > 0, f, 1 - f).prod(axis=-1) @ change)
 
 
 def linearised_collision(model: str, occupations: ArrayLike) -> NDArray[np.float64]:

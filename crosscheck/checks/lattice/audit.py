@@ -1,0 +1,384 @@
+"""Every site of small lattice gases at every step: all pairs of models, walls, forces, sizes, starts and schemes.
+
+The auditor of `crosscheck.references` follows the particles by coordinates and knows what a site may become. A row of
+the table of features is a scene of a few hundred sites and four steps; each is judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import Check, Laboratory, Variant
+from crosscheck.checks.lattice.gases import FHP, LATTICE, gas_scene
+from crosscheck.checks.lattice.recording import Recorded, lattice_methods, recorded
+from crosscheck.engines.capabilities import Needs
+from crosscheck.errors import Unsupported
+from crosscheck.faults import Fault
+from crosscheck.pairs import Pair, Row, covering, pairs_of
+from crosscheck.references import EPSILON
+from crosscheck.references.lattice_audit import coins, mean_step, numbers, pushes
+from crosscheck.references.lattice_models import MODELS, VELOCITIES, entropy_density, fermi_dirac
+from crosscheck.references.lattice_starts import deviation_from_equilibrium, fields
+from crosscheck.scene import Obstacle, Occupations, Output, Scene, Wave
+from crosscheck.verdict import LEAST_SAMPLES, Judged, Judgement, round_off, statistical, worst
+
+#: Each feature and its levels; the first one is its absence, or the plainest.
+FACTORS = {
+    "walls": ("none", "bounce_back disk", "bounce_back plate", "bounce_back corners", "specular_x first column",
+              "specular_x last column", "specular_y first row", "specular_y last row", "specular_y overlapping",
+              "diffusive_x first column", "diffusive_x last column", "diffusive_y first row", "diffusive_y last row",
+              "diffusive_x overlapping"),
+    "force": ("none", "0.3", "-0.3", "0", "1", "-1"),
+    "model": MODELS,
+    "columns": ("5", "1", "64", "65", "512", "513"),
+    "rows": ("few", "least", "more"),
+    "blocks": ("whole", "columns", "rows", "both"),
+    "start": ("density", "channels", "values of rows", "oblique waves", "cells"),
+    "scheme": ("first", "second", "third", "fourth"),
+    "reversals": ("no", "yes"),
+}  # fmt: skip
+STEPS, CHUNKS = 4, 4
+#: Rows of the square lattice, and of the triangular one.
+_ROWS = {"few": (3, 4), "least": (1, 2), "more": (4, 6)}
+#: What the first scheme, which may have to be compiled for each of these, is given beside its other features: model ->
+#: walls, and forces.
+_PLAIN = tuple(walls for walls in FACTORS["walls"] if walls.startswith(("bounce", "specular")))
+_DRAWN = tuple(walls for walls in FACTORS["walls"] if walls.startswith("diffusive"))
+_FORCES = FACTORS["force"][1:]
+_OF_FIRST_SCHEME = (
+    ("hpp", ("none",), _FORCES),
+    ("fhp1", _DRAWN, _FORCES),
+    ("fhp2", _PLAIN, ("none",)),
+    ("fhp3", _DRAWN, _FORCES),
+    ("fhp_saturated", ("none",), ("none",)),
+    ("fhp_saturated_identity", _DRAWN, ("none",)),
+)
+
+
+def _of_one_model(model: str, walls: tuple[str, ...], force: tuple[str, ...], **more: tuple[str, ...]) -> Iterable[Row]:
+    """Few rows in which each of these levels occurs, and each one of the features that go with all models."""
+    table = {**FACTORS, "model": (model,), "walls": walls, "force": force, "reversals": ("no",), **more}
+    for k in range(max(map(len, table.values()))):
+        yield {name: levels[k % len(levels)] for name, levels in table.items()}
+
+
+@cache
+def rows() -> tuple[list[Row], set[Pair]]:
+    """The rows that are judged, and the pairs of levels that go together in no scene, or in no scene of the quick tier.
+
+    The latter: first schemes may have to be compiled, so each model goes with few features. The former: only a gas
+    without random numbers can be reversed, and mean occupations do not start from numbers of particles.
+    """
+    found, _ = covering({**FACTORS, "scheme": FACTORS["scheme"][1:], "reversals": ("no",)}, _valid)
+    for model, walls, forces in _OF_FIRST_SCHEME:
+        found += _of_one_model(model, walls, forces, scheme=("first",))
+    found += _of_one_model("hpp", ("none", *_PLAIN), ("none",), scheme=("second", "third"), reversals=("yes",))
+    every = {
+        ((one, a), (other, b)) for one, other in combinations(FACTORS, 2) for a in FACTORS[one] for b in FACTORS[other]
+    }
+    return found, every.difference(*map(pairs_of, found))
+
+
+def _valid(row: Row) -> bool:
+    return row["scheme"] != "fourth" or row["start"] != "cells"
+
+
+# -- scenes ----------------------------------------------------------------------------------------------
+
+
+def _shape(row: Row) -> tuple[int, int]:
+    """Numbers of rows and columns."""
+    return _ROWS[row["rows"]][row["model"] != "hpp"], int(row["columns"])
+
+
+def _obstacles(row: Row) -> tuple[Obstacle, ...]:
+    if row["walls"] == "none":
+        return ()
+    name, _, place = row["walls"].partition(" ")
+    rule: Any = name
+    (down, across), first = _shape(row), (0, 0)
+    return {
+        "first row": (Obstacle(rows=first, rule=rule),),
+        "last row": (Obstacle(rows=(down - 1, down - 1), rule=rule),),
+        "first column": (Obstacle(columns=first, rule=rule),),
+        "last column": (Obstacle(columns=(across - 1, across - 1), rule=rule),),
+        "plate": (Obstacle(columns=(across // 3, across // 2), rows=(down // 3, down // 2), rule=rule),),
+        "disk": (Obstacle(centre=(across / 2 + 0.25, 0.5), radius=1.2, rule=rule),),
+        "corners": (Obstacle(sites=((0, 0), (across - 1, down - 1), (0, down - 1)), rule=rule),),
+        "overlapping": (
+            Obstacle(rows=first, rule=rule),
+            Obstacle(columns=(across // 2, across // 2)),
+            Obstacle(sites=((0, down - 1), (across // 2, 0)), rule=rule),
+        ),
+    }[place]
+
+
+def _start(row: Row, down: int, seed: int) -> Occupations:
+    """Unlike occupations of all channels wherever the start allows it."""
+    given: dict[str, Any] = {
+        "density": {"density": 0.4, "velocity_x": 0.1, "velocity_y": 0.05},
+        "channels": {"channels": tuple(np.linspace(0.25, 0.75, VELOCITIES[row["model"]].channels).tolist())},
+        "values of rows": {
+            "density": tuple(0.3 + 0.1 * k / down for k in range(down)),
+            "velocity_x": tuple(0.1 - 0.05 * k for k in range(down)),
+            "velocity_y": tuple(0.02 * k for k in range(down)),
+        },
+        "oblique waves": {
+            "density": 0.4,
+            "velocity_x": 0.05,
+            "waves": (
+                Wave(of="density", amplitude=0.1, mode=(1.0, 2.0), phase=0.3),
+                Wave(of="velocity_x", amplitude=0.1, mode=(2.0, 1.0)),
+                Wave(of="velocity_y", amplitude=0.05, mode=(1.0, -1.0), phase=1.0),
+            ),
+        },
+        "cells": {"density": 0.4, "cells": 1, "waves": (Wave(of="density", amplitude=0.2, mode=(0.5, 1.0)),)},
+    }[row["start"]]
+    return Occupations(kind="occupations", seed=seed, **given)
+
+
+def _scene(row: Row, seed: int) -> Scene:
+    down, across = _shape(row)
+    gas: dict[str, Any] = {"obstacles": _obstacles(row)}
+    if row["force"] != "none":
+        gas["force"] = float(row["force"])
+    if row["reversals"] == "yes":
+        gas["reversals"] = (1, 3)
+    name = ", ".join(f"{feature} {level}" for feature, level in row.items() if level not in ("none", "no"))
+    return gas_scene(name, row["model"], down, across, STEPS, _start(row, down, seed), Output(), **gas)
+
+
+def _blocks(row: Row) -> tuple[int, int]:
+    """Numbers of blocks along x and y."""
+    down, across = _shape(row)
+    some = next((k for k in (2, 3, 5) if across % k == 0), 1)
+    both = (some, next((k for k in (2, 3) if down % k == 0), 1))
+    return {"whole": (1, 1), "columns": (across, 1), "rows": (1, down), "both": both}[row["blocks"]]
+
+
+# -- what is found in them -------------------------------------------------------------------------------
+
+
+class _Found(NamedTuple):
+    """Of one row: errors by quantity, in units in which more than 1 is wrong; (sum, variance) of random numbers.
+
+    where: what is wrong, in words, by quantity.
+    """
+
+    errors: dict[str, float]
+    chances: dict[str, tuple[float, float]]
+    where: dict[str, str]
+
+
+FORBIDDEN = "sites that leave a step in a state that the arrived one cannot become"
+SITES = "sites that differ from the last populations"
+IMPULSE = "momentum given by the force to a row, less that of the sites' change, in particles"
+BLOCKS = "populations of blocks, less those counted by site, in roundings"
+MEANS = "mean occupations after a step, less the auditor's, in roundings"
+H = "H, less that of the occupations, in roundings"
+START = "mean occupations of the start, from the equilibrium asked for, in roundings"
+PUSHES = "particles turned by the force"
+COINS = "particles sent straight back by diffusive walls"
+FILLED = "particles of the start"
+#: Whole numbers of particles are wrong by 1 or not at all; the tolerance of the others is counted in roundings.
+_TOLERANCES = {FORBIDDEN: 0.5, SITES: 0.5, IMPULSE: 0.5, BLOCKS: 1.0, MEANS: 1.0, H: 1.0, START: 1.0}
+_WHY = {
+    FORBIDDEN: "coordinates say where each particle arrives, the definition of the model what it may become",
+    SITES: "both are the state at the end",
+    IMPULSE: "collisions keep the momentum of a site: only a turned particle changes it, by 2",
+    BLOCKS: "sums over the same sites, a rounding for each",
+    MEANS: "a rounding for each of the 2^b states that are summed over, and each of the b factors",
+    H: "a rounding for each channel of the sum",
+    START: "sums of a solution by Newton's method, met to some roundings for each channel, and its logarithms",
+}
+
+
+def _of_particles(found: Recorded, row: Row) -> _Found:
+    run, walls = found.run, found.walls
+    first = found.forbidden
+    errors, where = {FORBIDDEN: float(first.number)}, {FORBIDDEN: first.first}
+    chances = {}
+    motion = found.motion
+    if "sites" in run:
+        errors[SITES] = float((run["sites"] != numbers(found.trajectory[-1])).sum())
+    if found.force is not None:
+        done = pushes(found.lattice, walls, found.force, motion)
+        p = abs(found.force)
+        if 0 < p < 1:
+            chances[PUSHES] = (float((done.after - p * done.arrived).sum()), float(p * (1 - p) * done.arrived.sum()))
+        if "force_impulse" in run:
+            counted = np.diff(run["force_impulse"], axis=0) * np.sign(found.force or 1.0)
+            errors[IMPULSE] = float(np.abs(counted - 2 * done.after.sum(axis=2)).max())
+            errors[IMPULSE] += float(np.abs(run["force_impulse"][0]).max())
+    tossed = coins(found.lattice, walls, motion)
+    chances[COINS] = (float((tossed.after - 0.5 * tossed.arrived).sum()), 0.25 * float(tossed.arrived.sum()))
+    if row["start"] != "cells":
+        f = _asked(found)[walls == ""]
+        filled = found.trajectory[0][walls == ""]
+        chances[FILLED] = (float((filled - f).sum()), float((f * (1 - f)).sum()))
+    return _Found(errors, chances, where)
+
+
+def _asked(found: Recorded) -> np.ndarray:
+    """Mean occupations that the scene asks for, as if there were no walls."""
+    initial = found.scene.initial
+    assert isinstance(initial, Occupations)
+    if initial.channels is not None:
+        return np.broadcast_to(np.array(initial.channels), found.trajectory[0].shape)
+    asked = fields(found.lattice, initial)
+    return fermi_dirac(found.lattice.model, asked.density, asked.velocity)
+
+
+def _of_means(found: Recorded) -> _Found:
+    run, f = found.run, found.trajectory
+    channels = f.shape[-1]
+    errors, where = {}, {}
+    expected = np.array([mean_step(found.lattice, found.walls, found.force, one) for one in f[:-1]])
+    away = np.abs(expected - f[1:])
+    errors[MEANS] = float(away.max()) / (channels * 2**channels * EPSILON)
+    step, line, column, channel = (int(k) for k in np.unravel_index(away.argmax(), away.shape))
+    where[MEANS] = f"step {step + 1}, column {column}, row {line}, channel {channel}"
+    if "h_function" in run:
+        h = entropy_density(f).sum(axis=(1, 2))
+        errors[H] = float(np.abs(run["h_function"] - h).max()) / (f[0].size * EPSILON)
+    initial, fluid = found.scene.initial, found.walls == ""
+    assert isinstance(initial, Occupations)
+    errors[START] = float(np.abs(f[0][~fluid]).sum()) / EPSILON
+    if initial.channels is not None:
+        errors[START] += float(np.abs(f[0][fluid] - np.array(initial.channels)).max(initial=0)) / EPSILON
+    elif fluid.any():
+        asked = fields(found.lattice, initial)
+        here = type(asked)(asked.density[fluid], asked.velocity[fluid])
+        errors[START] += max(deviation_from_equilibrium(found.lattice.model, f[0][fluid], here)) / (
+            32 * channels * EPSILON
+        )
+    return _Found(errors, {}, where)
+
+
+def _blocks_error(laboratory: Laboratory, found: Recorded, row: Row) -> float:
+    """The same run with larger blocks, seen every second step."""
+    across, down = _blocks(row)
+    output = Output(interval=2, fields=None if (across, down) == (1, 1) else (across, down),
+                    observables=("populations",))  # fmt: skip
+    counted = laboratory.run(found.scene.changed(output=output), found.method)["populations"]
+    f = found.trajectory[::2]
+    samples, rows_, columns, channels = f.shape
+    expected = f.reshape(samples, down, rows_ // down, across, columns // across, channels).sum(axis=(2, 4))
+    share = max(rows_ * columns / (down * across), 1) * EPSILON
+    return float((np.abs(counted - expected.transpose(0, 2, 1, 3)) / (share * np.maximum(expected, 1).max())).max())
+
+
+def _audited(laboratory: Laboratory, row: Row, number: int) -> _Found | None:
+    """What is found with the scheme that the row names, or else with the next one that can run it; None: with none."""
+    scene = _scene(row, laboratory.seed(str(number)))
+    methods = lattice_methods(laboratory.engine)
+    wanted = FACTORS["scheme"].index(row["scheme"])
+    for turn in range(len(methods)):
+        method = methods[(wanted + turn) % len(methods)]
+        try:
+            found = recorded(laboratory, scene, method)
+            blocks = _blocks_error(laboratory, found, row)
+        except Unsupported:
+            continue
+        judged = _of_means(found) if "h_function" in found.run or not found.whole else _of_particles(found, row)
+        return judged._replace(errors={**judged.errors, BLOCKS: blocks})
+    return None
+
+
+def _judge(laboratory: Laboratory, chunk: int) -> Judged:
+    """Every CHUNKS-th row."""
+    found, skipped = [], 0
+    for number, row in enumerate(rows()[0]):
+        if number % CHUNKS == chunk:
+            one = _audited(laboratory, row, number)
+            skipped += one is None
+            if one is not None:
+                found.append((row, one))
+    if not found:
+        raise Unsupported(f"{laboratory.engine}: none of its lattice schemes can run a row")
+    judgements = [*_errors(found), *_chances(found)]
+    left = f"; {skipped} need more than the engine has" if skipped else ""
+    return worst(judgements, f"{len(found)} scenes of all pairs of features{left}")
+
+
+def _errors(found: list[tuple[Row, _Found]]) -> Iterable[Judgement]:
+    for quantity, tolerance in _TOLERANCES.items():
+        there = [(one.errors[quantity], number) for number, (_, one) in enumerate(found) if quantity in one.errors]
+        if not there:
+            continue
+        error, number = max(there)
+        row, one = found[number]
+        note = ""
+        if error > tolerance:
+            features = ", ".join(f"{name} {level}" for name, level in row.items() if level not in ("none", "no"))
+            note = f"{one.where.get(quantity, '')} of the scene with {features}".removeprefix(" of ")
+        yield round_off(f"{quantity}, the most of a scene", error, tolerance, _WHY[quantity], note=note)
+
+
+def _chances(found: list[tuple[Row, _Found]]) -> Iterable[Judgement]:
+    for quantity in (PUSHES, COINS, FILLED):
+        there = [one.chances[quantity] for _, one in found if quantity in one.chances]
+        total, variance = (sum(values) for values in zip(*there, strict=True)) if there else (0.0, 0.0)
+        if variance > LEAST_SAMPLES:
+            yield statistical(
+                f"{quantity}, less those expected, over the standard deviation",
+                total / variance**0.5,
+                1.0,
+                0.0,
+                0.0,
+                "binomial numbers with the probability that the scene asks for, summed over scenes",
+                samples=4 * variance,
+            )
+
+
+CHECKS = (
+    Check(
+        name="lattice/audit",
+        title="Every site of small lattice gases at every step, for all pairs of features",
+        equation="s(r + c_i, t + 1) = M s(r, t)",
+        criterion="each particle arrives by coordinates, no outcome that the model does not have, force and populations "
+        "counted by hand; mean occupations to rounding; numbers of random outcomes within their binomial error",
+        citation=FHP,
+        judge=_judge,
+        variants=tuple(Variant(f"rows-{chunk}", chunk) for chunk in range(CHUNKS)),
+        faults=(
+            (
+                "rows-0",
+                Fault(
+                    "head-on-pairs-pass",
+                    "lattice/models.py",
+                    "    if velocities.momentum(state) == (0, 0) and velocities.mass(state) <= 3:\n        return None",
+                    "    if velocities.momentum(state) == (0, 0) and velocities.mass(state) == 3:\n        return None",
+                    "head-on pairs of FHP-I pass through each other",
+                ),
+            ),
+            (
+                "rows-1",
+                Fault(
+                    "odd-rows-as-even",
+                    "lattice/velocities.py",
+                    "return (a + (row - b) % 2 - row % 2) // 2",
+                    "return (a + b % 2) // 2",
+                    "particles that change the row arrive in odd rows as in even ones",
+                ),
+            ),
+            (
+                "rows-2",
+                Fault(
+                    "force-at-half-the-rate",
+                    "lattice/gas.py",
+                    "return round(self.probability * (1 << DIGITS))",
+                    "return round(self.probability * (1 << (DIGITS - 1)))",
+                    "the force turns half as many particles as it should",
+                ),
+            ),
+        ),
+        needs=Needs("lattice_gas", (LATTICE,), observables=frozenset({"populations"})),
+        interpreted=True,
+    ),
+)
