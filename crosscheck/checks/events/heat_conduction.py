@@ -143,9 +143,10 @@ def _conductivity(found: _Profiles, step: float, dimension: int) -> Judgement:
         ratio.value,
         ratio.error,
         1.0,
-        doubt,
-        f"{STEADY}; theory uncertain by {doubt:.0%}, cells next to the walls left out",
+        0.0,
+        f"{STEADY}; theory off by {doubt:.0%}, cells next to the walls left out",
         samples=ratio,
+        doubt=doubt,
         needed=0.25,
     )
 
