@@ -103,7 +103,7 @@ def visit_gain(u: float, restitution: float = 1.0, phases: int = 4000) -> Estima
 
     Mean over equally spaced phases. Elastic: 1.667, 2.060, 2.087, 2.140, 2.134, 2 for u = 0.25, 0.5, 1, 1.5, 2, 3,
     where `flux_phase_gain` has 1.575, 1.774 and then 2, and a uniform phase 1. The gain has jumps as a function of the
-    phase, each of at most 2 (1 + u) and off by one phase: the uncertainty is that of four of them.
+    phase, each of at most 2 (1 + u) and off by one phase: the doubt is that of four of them.
 
     u: speed of approach, in units of V0. restitution: e, 0 to 1. phases: how many. Energy per mass, in units of V0^2.
     RuntimeError as `plate_visit`.
@@ -112,7 +112,7 @@ def visit_gain(u: float, restitution: float = 1.0, phases: int = 4000) -> Estima
         0.5 * (plate_visit(u, phase, restitution).velocity ** 2 - u * u)
         for phase in 2 * np.pi * (np.arange(phases) + 0.5) / phases
     ]
-    return Estimate(float(np.mean(gains)), 8 * (1 + u) / phases)
+    return Estimate(float(np.mean(gains)), doubt=8 * (1 + u) / phases)
 
 
 def sawtooth_gain(u: float, amplitude: float, restitution: float = 1.0) -> float:

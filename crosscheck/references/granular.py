@@ -228,7 +228,7 @@ def best_cumulant(alpha: float, dimension: int) -> Estimate:
     alpha: 0 to 1. dimension: 2 or 3.
     """
     known = FOURTH_CUMULANTS.get((dimension, alpha))
-    return known or Estimate(fourth_cumulant(alpha, dimension), 0.004)
+    return known or Estimate(fourth_cumulant(alpha, dimension), doubt=0.004)
 
 
 def clustering_length(loss: float, density: float, dimension: int) -> float:
@@ -308,10 +308,10 @@ def rough_ratio(alpha: float, alpha_t: float, q: float, dimension: int) -> float
 
 #: (dimension, q, alpha, alpha_t): T_rot/T_tr by direct simulation of the Boltzmann equation, own runs; 0.5 % uncertain.
 ROUGH_RATIOS = {
-    (3, 0.4, 0.9, 0.0): Estimate(0.546, 0.003),
-    (3, 0.4, 0.9, -0.5): Estimate(0.856, 0.0045),
-    (3, 0.4, 0.8, 0.0): Estimate(0.785, 0.004),
-    (3, 0.4, 0.9, -0.95): Estimate(1.102, 0.0055),
-    (2, 0.5, 0.9, 0.0): Estimate(0.443, 0.0025),
-    (2, 0.5, 0.9, -0.5): Estimate(0.770, 0.004),
+    (3, 0.4, 0.9, 0.0): Estimate(0.546, doubt=0.003),
+    (3, 0.4, 0.9, -0.5): Estimate(0.856, doubt=0.0045),
+    (3, 0.4, 0.8, 0.0): Estimate(0.785, doubt=0.004),
+    (3, 0.4, 0.9, -0.95): Estimate(1.102, doubt=0.0055),
+    (2, 0.5, 0.9, 0.0): Estimate(0.443, doubt=0.0025),
+    (2, 0.5, 0.9, -0.5): Estimate(0.770, doubt=0.004),
 }

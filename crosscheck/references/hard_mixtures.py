@@ -92,7 +92,7 @@ def mixture_compressibility(species: Mixture, dimension: int) -> Estimate:
 
     Disks: Santos, Yuste and Lopez de Haro, Z = (1 - x)/(1 - eta) + x Z_1(eta), x = <s>^2/<s^2>, with Z_1 of one
     species; with Henderson's Z_1 it is the Z of Jenkins and Mancini's contact values. Spheres: `bmcsl` plus what the
-    best Z of one species at that eta has over Carnahan-Starling. Uncertainty: that of Z_1 and 1 % of the departure from
+    best Z of one species at that eta has over Carnahan-Starling. Doubt: that of Z_1 and 1 % of the departure from
     one species, for diameters within a factor of 3.
 
     species: the mixture. dimension: 2 or 3, else ValueError.
@@ -108,7 +108,7 @@ def mixture_compressibility(species: Mixture, dimension: int) -> Estimate:
         eta = species.packing_fraction[1]
         pure = sphere_compressibility(eta)
         value = bmcsl(species) + pure.value - carnahan_starling(eta)
-    return Estimate(value, float(np.hypot(pure.uncertainty, 0.01 * (value - pure.value))))
+    return Estimate(value, doubt=pure.doubt + 0.01 * abs(value - pure.value))
 
 
 def species_collision_rates(species: Mixture, dimension: int, temperature: float = 1.0) -> Floats:

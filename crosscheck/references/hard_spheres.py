@@ -24,13 +24,16 @@ Floats = NDArray[np.float64]
 
 
 class Estimate(NamedTuple):
-    """What is expected, and how far it may be off: a standard error or the spread of theories, as the source says.
+    """What is expected, and how far it may be off, by chance and otherwise.
 
-    value: what is expected. uncertainty: of it, absolute, in its unit.
+    value: what is expected. uncertainty: its standard error, where it was measured or simulated. doubt: a bound on what
+    is systematically wrong with it (spread of theories, orders that are left out, rounded digits). Both are absolute,
+    in the unit of the value; a tolerance is a quantile times the one, plus the other.
     """
 
     value: float
-    uncertainty: float
+    uncertainty: float = 0.0
+    doubt: float = 0.0
 
 
 def demand_dimension(dimension: int) -> None:
@@ -154,7 +157,7 @@ def disk_compressibility(eta: float) -> Estimate:
         raise ValueError(f"the fluid of disks is known for eta from 0 to 0.65, got {eta}")
     one, two = pade(eta, 2), luding_fluid(eta)
     value = 0.5 * (one + two)
-    return Estimate(value, max(abs(one - two), 1e-4 * (value - 1)))
+    return Estimate(value, doubt=max(abs(one - two), 1e-4 * (value - 1)))
 
 
 def carnahan_starling(eta: float) -> float:
@@ -209,7 +212,7 @@ def sphere_compressibility(eta: float) -> Estimate:
     ratio = z / np.array([carnahan_starling(packing_fraction(x, 3)) for x in nodes])
     correct = PchipInterpolator(np.concatenate([[0.0], nodes]), np.concatenate([[1.0], ratio]))
     value = carnahan_starling(eta) * float(correct(min(n, 0.9)))
-    return Estimate(value, 5e-4 * value)
+    return Estimate(value, doubt=5e-4 * value)
 
 
 def compressibility(eta: float, dimension: int) -> Estimate:
@@ -227,10 +230,10 @@ def contact_value(eta: float, dimension: int) -> Estimate:
     eta: packing fraction. dimension: d, 2 or 3. ValueError as `compressibility`.
     """
     if eta == 0:
-        return Estimate(1.0, 0.0)
+        return Estimate(1.0)
     z = compressibility(eta, dimension)
     scale = 2.0 ** (dimension - 1) * eta
-    return Estimate((z.value - 1) / scale, z.uncertainty / scale)
+    return Estimate((z.value - 1) / scale, doubt=z.doubt / scale)
 
 
 def collision_rate(
@@ -246,7 +249,7 @@ def collision_rate(
     g = contact_value(eta, dimension)
     n = number_density(eta, dimension, diameter)
     factor = 2 * (dimension - 1) * n * diameter ** (dimension - 1) * (np.pi * temperature / mass) ** 0.5
-    return Estimate(factor * g.value, factor * g.uncertainty)
+    return Estimate(factor * g.value, doubt=factor * g.doubt)
 
 
 # -- few particles -----------------------------------------------------------------------------------------------------
@@ -289,14 +292,14 @@ def finite_compressibility(eta: float, number: int, dimension: int) -> Estimate:
     to second order in density it has, to order 1/N, the exact virial series of N particles, (N-1)/N B_2 n +
     ((N-1)(N-2)/N^2 B_3 + 2 (N-1)/N^2 B_2^2) n^2. There is no kinetic correction: <u_n^2> = 2T with that T. The pressure
     of the box has the ideal part (N - 1)/N in place of 1. Measured, N = 8, 16 disks at eta = 0.3: 1.96623(28),
-    2.01512(32), against 1.9664, 2.0148. Uncertainty: that of Z, and for the terms of order 1/N^2 and the periodic
+    2.01512(32), against 1.9664, 2.0148. Doubt: that of Z, and for the terms of order 1/N^2 and the periodic
     images twice the square of the correction over Z - 1.
 
     eta: packing fraction. number: N, 2 or more. dimension: d, 2 or 3. ValueError as `compressibility`.
     """
     z, shift = compressibility(eta, dimension), number_correction(eta, number, dimension)
     higher = 2 * shift**2 / (z.value - 1) if eta > 0 else 0.0
-    return Estimate(z.value - shift, float(np.hypot(z.uncertainty, higher)))
+    return Estimate(z.value - shift, doubt=z.doubt + higher)
 
 
 def finite_speed_factor(freedoms: int) -> float:
@@ -328,7 +331,7 @@ def finite_collision_rate(
         return rate
     z, few = compressibility(eta, dimension), finite_compressibility(eta, number, dimension)
     factor = (few.value - 1) / (z.value - 1) * finite_speed_factor(degrees_of_freedom(number, dimension, True))
-    return Estimate(rate.value * factor, rate.value * factor * few.uncertainty / (few.value - 1))
+    return Estimate(rate.value * factor, doubt=rate.value * factor * few.doubt / (few.value - 1))
 
 
 def excess_from_rate(rate: ArrayLike, number: int, dimension: int) -> Floats:

@@ -70,7 +70,7 @@ def disk_box_pressure(number: int, length: float, temperature: float = 1.0) -> E
     Centres live in a square of side l = L - 1, with bulk density n: N = n l^2 + 4 l Gamma, and from the work done when
     l grows, p = (l/L) (n T Z_N(n) - 2 gamma/l): the adsorption Gamma = -d gamma/d mu lowers n, and the corners, where
     contact is likelier, give back a quarter of that. Z_N holds the correction for finite N of `finite_compressibility`.
-    Uncertainty 1.2e-3 (eta/0.1)^2 of p: it covers what event-driven runs gave for p L^2/(N T), 1.07473(5) and 1.3341(2)
+    Doubt 1.2e-3 (eta/0.1)^2 of p: it covers what event-driven runs gave for p L^2/(N T), 1.07473(5) and 1.3341(2)
     for N = 25 at N pi/4L^2 = 0.02 and 0.1, 1.2862(3) for N = 100 at 0.1, 1.0498(2) and 1.2620(2) for N = 400 at 0.02
     and 0.1, against 1.07478, 1.3326, 1.2855, 1.0498, 1.2610. Z at the mean density, pi N/4L^2, is low by 2 to 7 %.
 
@@ -91,7 +91,7 @@ def disk_box_pressure(number: int, length: float, temperature: float = 1.0) -> E
     eta = packing_fraction(n, 2)
     z = disk_compressibility(eta).value - number_correction(eta, number, 2)
     pressure = temperature * side / length * (n * z - 2 * disk_wall_tension(n) / side)
-    return Estimate(pressure, 1.2e-3 * (eta / 0.1) ** 2 * pressure)
+    return Estimate(pressure, doubt=1.2e-3 * (eta / 0.1) ** 2 * pressure)
 
 
 def impulse_of_a_hit(temperature: float, freedoms: int, mass: float = 1.0) -> float:

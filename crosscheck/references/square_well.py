@@ -209,7 +209,7 @@ def boyle_temperature(width: float, dimension: int) -> float:
 
 
 def dilute_compressibility(density: float, temperature: float, width: float, dimension: int) -> Estimate:
-    """Z = 1 + B_2 n; uncertain by (B n)^2, B the larger of |B_2| and its value without the hard core's part.
+    """Z = 1 + B_2 n; off by (B n)^2 at most, B the larger of |B_2| and its value without the hard core's part.
 
     The size of the next term is B_3 n^2, and |B_3| may exceed B_2^2: for n |B| << 1 only.
 
@@ -217,7 +217,7 @@ def dilute_compressibility(density: float, temperature: float, width: float, dim
     """
     b2 = float(second_virial(temperature, width, dimension))
     size = absolute_virial(temperature, width, dimension)
-    return Estimate(1 + b2 * density, (size * density) ** 2)
+    return Estimate(1 + b2 * density, doubt=(size * density) ** 2)
 
 
 def dilute_energy(density: float, temperature: float, width: float, dimension: int) -> Estimate:
@@ -226,12 +226,12 @@ def dilute_energy(density: float, temperature: float, width: float, dimension: i
     g = exp(1/T) in the well. The next order is relatively of the size of n B, as in `dilute_compressibility`.
 
     density: n, in sigma^-d. temperature: T. width: lambda, above 1. dimension: d, 2 or 3, else KeyError. In epsilon;
-    the uncertainty is that of the next order.
+    the doubt is that of the next order.
     """
     shell = _sphere(dimension) * (width**dimension - 1)
     size = absolute_virial(temperature, width, dimension)
     value = float(-shell * density * np.exp(1 / temperature))
-    return Estimate(value, abs(value) * 2 * size * density)
+    return Estimate(value, doubt=abs(value) * 2 * size * density)
 
 
 # -- structure and pressure --------------------------------------------------------------------------------------------
@@ -275,11 +275,11 @@ class StatePoint(NamedTuple):
 
 
 def _point(n: float, t: float, u: tuple[float, float], g: tuple[float, float, float], z: float) -> StatePoint:
-    core, inner, outer = (Estimate(x, 0.01 * x) for x in g)
-    # Z is a difference of terms that are each uncertain by 1 %
+    core, inner, outer = (Estimate(x, doubt=0.01 * x) for x in g)
+    # Z is a difference of terms, each off by up to 1 %
     size = 2 * np.pi / 3 * n
-    error = size * float(np.hypot(0.01 * g[0], 0.01 * 1.5**3 * (g[1] - g[2])))
-    return StatePoint(n, t, Estimate(*u), core, inner, outer, Estimate(z, error))
+    error = 0.01 * size * (g[0] + 1.5**3 * (g[1] - g[2]))
+    return StatePoint(n, t, Estimate(*u), core, inner, outer, Estimate(z, doubt=error))
 
 
 #: lambda = 1.5, three dimensions: own Monte Carlo at constant N, V, T with N = 256, 9000 sweeps. The error of the

@@ -60,7 +60,7 @@ def enskog_diffusion(
 ) -> Estimate:
     """Self-diffusion in Enskog's theory, T/(m zeta) with zeta of `friction` for equal masses, times the Sonine factor.
 
-    First approximation: sqrt(T/pi m)/(2 n sigma g) of disks, 3 sqrt(T/pi m)/(8 n sigma^2 g) of spheres. The uncertainty
+    First approximation: sqrt(T/pi m)/(2 n sigma g) of disks, 3 sqrt(T/pi m)/(8 n sigma^2 g) of spheres. The doubt
     is that of g, not of the theory: an infinite system of spheres diffuses 37 % faster than D_E at n = 0.5 and 17 %
     slower at n = 0.9; in two dimensions D grows without bound with the box (long-time tails) and the dilute limit only
     is sharp.
@@ -71,7 +71,7 @@ def enskog_diffusion(
     n, g = number_density(eta, dimension, diameter), contact_value(eta, dimension)
     heavy = friction(n, diameter, mass, mass, dimension, temperature, g.value)
     value = temperature / (mass * heavy) * (SONINE_DIFFUSION[dimension] if sonine else 1.0)
-    return Estimate(value, value * g.uncertainty / g.value)
+    return Estimate(value, doubt=value * g.doubt / g.value)
 
 
 def enskog_viscosity(eta: float, temperature: float = 1.0, mass: float = 1.0, diameter: float = 1.0) -> float:
@@ -117,8 +117,8 @@ def sphere_diffusion(density: float, number: float = inf) -> Estimate:
 
     NIST's D, taken to infinite N with `periodic_diffusion_shift` and back to N; between its densities D/D_E is
     interpolated (monotone cubic). Own event-driven runs gave 0.4982(15), 0.2206(5), 0.1000(5) for N = 108 at n = 0.3,
-    0.5, 0.7, against 0.490, 0.222, 0.098. Uncertainty: quoted error, 20 % of the difference of the shifts (Enskog's
-    viscosity, higher orders in 1/L: 16 % found at n = 0.3) and, off the table's densities, 1 % of D.
+    0.5, 0.7, against 0.490, 0.222, 0.098. The uncertainty is the quoted error; the doubt 20 % of the difference of the
+    shifts (Enskog's viscosity, higher orders in 1/L: 16 % found at n = 0.3) and, off the table's densities, 1 % of D.
     ValueError outside the densities.
 
     density: n, 1/length^3 in diameters. number: N, of spheres.
@@ -138,7 +138,7 @@ def sphere_diffusion(density: float, number: float = inf) -> Estimate:
     value = float(ratio(density)) * enskog(density)
     doubt = 0.2 * abs(shift - periodic_diffusion_shift(density, NIST_PARTICLES))
     between = 0.0 if np.isclose(n, density, rtol=0, atol=1e-9).any() else 0.01 * value
-    return Estimate(value - shift, float(np.sqrt(np.interp(density, n, error) ** 2 + doubt**2 + between**2)))
+    return Estimate(value - shift, float(np.interp(density, n, error)), doubt + between)
 
 
 def velocity_decay_time(density: float) -> float:

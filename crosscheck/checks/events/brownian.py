@@ -131,10 +131,11 @@ def _judge(laboratory: Laboratory, bath: Bath) -> Judged:
             initial * known.gamma * MASS,
             error * known.gamma * MASS,
             known.gamma * MASS,
-            float(np.hypot(known.doubt, back)) * known.gamma * MASS,
-            f"{why}, g at contact, and particles that come back",
+            0.0,
+            f"{why}; off by g at contact, and particles that come back",
             samples=RUNS,
-            needed=0.2,
+            doubt=(known.doubt + back) * known.gamma * MASS,
+            needed=0.15,
             figures=(_decay_figure(bath.dimension, decay, known),),
         )
     ]
@@ -157,10 +158,11 @@ def _decay_in_space(decay: _Decay, known: Tracers, bath: Bath, why: str) -> Judg
         measured,
         error,
         sum(ends) / 2,
-        abs(ends[0] - ends[1]) / 2,
+        0.0,
         f"{why}; between Enskog's friction and that in series with slip",
         samples=RUNS,
-        needed=0.3,
+        doubt=abs(ends[0] - ends[1]) / 2,
+        needed=0.25,
         note=f"t = {decay.time[place]:g}",
     )
 

@@ -56,9 +56,10 @@ def _judge(laboratory: Laboratory, gas: _Gas) -> Judged:
         rate.value,
         rate.error,
         known.value,
-        known.uncertainty,
-        "standard error of correlated blocks; of the reference for this N",
+        0.0,
+        "standard error of correlated blocks; how far the reference is off for this N",
         samples=rate,
+        doubt=known.doubt,
         needed=0.01 if number > 16 else 0.03,  # to order 1/N alone, which is rough for 16
         note=f"N = {number}, mean free path {path:.4g}; infinite N: {infinite.value:.5g}",
         figures=(figure,),

@@ -110,9 +110,10 @@ def _judge_pressure(laboratory: Laboratory, walled: _Walled) -> Judged:
         found.mean.value / ideal,
         found.mean.error / ideal,
         known.value / ideal,
-        known.uncertainty / ideal,
-        "standard error of correlated blocks; of the reference, which grows as eta^2",
+        0.0,
+        "standard error of correlated blocks; the reference's error, which grows as eta^2",
         samples=found.mean,
+        doubt=known.doubt / ideal,
         needed=0.02,
         figures=(_pressure_figure(density, found.mean.value / ideal, found.mean.error / ideal),),
     )

@@ -171,9 +171,10 @@ def _judge_points(laboratory: Laboratory, gas_of_points: _PointGas) -> Judged:
         float(mean[0]),
         float(error[0]),
         path,
-        path / SCATTERERS[dimension],
-        f"standard error over {ARRANGEMENTS} arrangements, and 1/N of their fluctuation",
+        0.0,
+        f"standard error over {ARRANGEMENTS} arrangements; off by 1/N of their fluctuation",
         samples=ARRANGEMENTS,
+        doubt=path / SCATTERERS[dimension],
         needed=0.03,
     )
     judgements = [speed, depth, free]

@@ -54,9 +54,10 @@ def _judge(laboratory: Laboratory, gases: _Speeds) -> Judged:
                 float(means[index]),
                 float(errors[index]),
                 known.value,
-                float(np.sqrt(known.uncertainty**2 + few**2 + (reference.MEETING_AGAIN * DILUTE) ** 2)),
-                f"standard error over {runs} runs, that of the table, 1/N, and pairs that meet again",
+                known.uncertainty,
+                f"standard error over {runs} runs, and that of the table; off by 1/N, and pairs that meet again",
                 samples=runs,
+                doubt=few + reference.MEETING_AGAIN * DILUTE,
                 needed=needed,
             )
         )

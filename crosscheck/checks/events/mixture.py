@@ -86,7 +86,7 @@ def _judge(laboratory: Laboratory, blend: Blend) -> Judged:
     number, species, masses = scene.number, np.array(scene.species), np.array(scene.masses)
     excess = correlated_mean(rates(run, run["collisional_virial"]) / (d * number))
     rate = correlated_mean(2 * rates(run, run["collisions"]) / number)
-    # no theory of finite N for mixtures: the correction for one species as dense, uncertain by all of it
+    # no theory of finite N for mixtures: the correction for one species as dense, off by all of it
     infinite = compressibility(eta, d).value
     few = finite_compressibility(eta, number, d).value - infinite
     z = reference.mixture_compressibility(known, d)
@@ -95,10 +95,11 @@ def _judge(laboratory: Laboratory, blend: Blend) -> Judged:
         1 + excess.value,
         excess.error,
         z.value + few,
-        float(np.hypot(z.uncertainty, few)),
+        0.0,
         "standard error of correlated blocks; 1 % of the departure from one species; the correction for finite N",
         samples=excess,
-        needed=0.02,
+        doubt=z.doubt + abs(few),
+        needed=0.01,
         figures=(_figure(d, eta, 1 + excess.value, excess.error),),
     )
     shares = known.densities / known.densities.sum()
@@ -108,10 +109,11 @@ def _judge(laboratory: Laboratory, blend: Blend) -> Judged:
         rate.value,
         rate.error,
         expected * (1 + few / (infinite - 1)),
-        0.01 * expected,
+        0.0,
         "standard error of correlated blocks; 1 % of the contact values",
         samples=rate,
-        needed=0.06,
+        doubt=0.01 * expected,
+        needed=0.02,
     )
     # at total momentum zero a particle of mass m has m<v^2> = d T (1 - m/M), M the mass of all
     kinetic = masses * (run["velocities"][SETTLING:] ** 2).sum(axis=2) / (d * (1 - masses / masses.sum()))

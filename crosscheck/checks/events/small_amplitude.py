@@ -85,7 +85,7 @@ def _judge_limit(laboratory: Laboratory, u: float) -> Judged:
         f"mean energy gained in a visit at A = {AMPLITUDES[-1]:g}",
         float(means[-1]),
         limit.value,
-        remains + limit.uncertainty,
+        remains + limit.doubt,
         "finite amplitude, of first order from the largest one, and the jumps between neighbouring phases",
         note=f"at larger amplitudes {table}; flux law {flux:.4f}, uniform law {uniform:g}; grains still on the floor "
         f"at the end: {max(visit.unfinished for visit in visits):.2%}",

@@ -87,9 +87,10 @@ def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
             energy.value,
             energy.error,
             point.energy.value,
-            float(np.hypot(point.energy.uncertainty, ensemble)),
-            "standard errors of correlated data, and 1/N between constant energy and constant temperature",
+            point.energy.uncertainty,
+            "standard errors of correlated data; off by 1/N between constant energy and constant temperature",
             samples=energy,
+            doubt=ensemble,
             needed=0.04,
         ),
         statistical(
@@ -98,9 +99,10 @@ def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
             z.error,
             point.compressibility.value,
             point.compressibility.uncertainty,
-            "standard error of correlated data, and 1 % of g at contact and at the edge behind the reference",
+            "standard error of correlated data; 1 % of g at contact and at the edge behind the reference",
             samples=z,
-            needed=0.2,
+            doubt=point.compressibility.doubt,
+            needed=0.1,
         ),
     ]
     found = "; ".join(f"T = {one[0]:.4f}, u = {one[1]:.4f}, Z = {one[2]:.4f}" for one in means)

@@ -58,7 +58,7 @@ def _judge(laboratory: Laboratory, gas: _Gas) -> Judged:
     pairs = 1 - 1 / number
     higher = reference.absolute_virial(temperature, WIDTH, dimension) ** 3 * density**2
     b2 = (measured.value / density - b3 * density) / pairs
-    doubt = float(np.hypot(measured.error / density, higher)) / core
+    error = measured.error / density / core
     expected = 1 - float(reference.second_virial(temperature, WIDTH, dimension)) / core
     shown = float(reference.second_virial(temperature, WIDTH, dimension))
     curve = np.geomspace(1.2, 8, 60)
@@ -66,18 +66,19 @@ def _judge(laboratory: Laboratory, gas: _Gas) -> Judged:
     return statistical(
         "1 - B_2/b, the part of the well",
         1 - b2 / core,
-        doubt,
+        error,
         expected,
-        abs(expected) / number,
-        "standard error of correlated data, the term B_4 n^3, and 1/N of the well's part",
+        0.0,
+        "standard error of correlated data; off by the term B_4 n^3, and 1/N of the well's part",
         samples=measured,
+        doubt=higher / core + abs(expected) / number,
         needed=0.1,
         note=f"T = {temperature:.4f}: B_2 = {b2:.4f} (exact {shown:.4f}), statistical error "
         f"{measured.error / density:.4f}; B_3 n = {b3 * density:.4f} taken off, B_4 n^2 at most {higher:.4f}",
         figures=(
             Figure(
                 f"second virial coefficient, {dimension} dimensions", "T", "B_2", series=(
-                    Series(f"measured, T = {target:.3g}", [temperature], [b2], [core * doubt]),
+                    Series(f"measured, T = {target:.3g}", [temperature], [b2], [core * error]),
                     Series("closed form", curve.tolist(), theory.tolist(), theory=True),
                 ),
             ),

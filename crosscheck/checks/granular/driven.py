@@ -88,15 +88,17 @@ def profile(places: ArrayLike, quantity: ArrayLike, edges: ArrayLike, blocks: in
 _WHY = "standard errors of correlated series; soft ones taken to t_c = 0 along a straight line"
 
 
-def against(quantity: str, limit: Mean, hard: Mean, needed: float, why: str = _WHY) -> Judgement:
+def against(quantity: str, limit: Mean, hard: Mean, needed: float, why: str = _WHY, doubt: float = 0.0) -> Judgement:
     """The limit of the soft runs against the event-driven mean.
 
     quantity: what both measure, in words. limit: of the soft runs, at t_c = 0. hard: of the event-driven run. needed:
-    the relative deviation that must be visible. why: the reason of the tolerance, in words.
+    the relative deviation that must be visible. why: the reason of the tolerance, in words. doubt: by how much the
+    limit may be off.
     """
     return statistical(
-        quantity, limit.value, limit.error, hard.value, hard.error, why, samples=(limit, hard), needed=needed
-    )
+        quantity, limit.value, limit.error, hard.value, hard.error, why, samples=(limit, hard), doubt=doubt,
+        needed=needed,
+    )  # fmt: skip
 
 
 def against_duration(

@@ -64,9 +64,10 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
         value,
         u,
         expected,
-        amplitude**2,
+        0.0,
         f"{BY_MEMBERS}; Boltzmann at this k and U, the wave's amplitude squared for its own nonlinearity",
         samples=MEMBERS,
+        doubt=amplitude**2,
         note=f"U = {flow:g}; g(rho), as k and U go to 0, is {known.galilean_factor(name, density):.4f}",
         figures=(figure,),
     )

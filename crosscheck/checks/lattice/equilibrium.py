@@ -51,9 +51,10 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
                 mean.value,
                 mean.error,
                 float(expected[i]),
-                1.0 / size**2,
-                f"standard error of {len(settled)} correlated samples; 1/N of fixed mass and momentum",
+                0.0,
+                f"standard error of {len(settled)} correlated samples; off by 1/N of fixed mass and momentum",
                 samples=mean,
+                doubt=1.0 / size**2,
                 needed=0.02,
             )
         )

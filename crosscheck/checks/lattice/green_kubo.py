@@ -127,10 +127,11 @@ def against_green_kubo(
         value,
         u,
         green_kubo + finite,
-        math.hypot(error, tail, finite),
-        f"{BY_MEMBERS}; Green-Kubo to lag {until}, uncertain by what its last two doublings add (where a wave cuts "
-        "the long-time tail off is known to a factor only) and by the correction for the wavelength",
+        error,
+        f"{BY_MEMBERS}; Green-Kubo to lag {until}, off by what its last two doublings add (where a wave cuts the "
+        "long-time tail off is known to a factor only) and by the correction for the wavelength",
         samples=MEMBERS,
+        doubt=tail + abs(finite),
     )
     note = (
         f"Boltzmann {boltzmann[1]:.4g} (at this k {boltzmann[0]:.4g}), Green-Kubo alone {green_kubo:.4g}({error:.2g})"

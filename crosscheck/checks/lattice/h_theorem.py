@@ -118,9 +118,10 @@ def _of_ensemble(laboratory: Laboratory, name: str) -> Judged:
             mean,
             error,
             0.0,
-            floor,
-            f"standard error of {members} gases; b/N of the fluctuations of the means",
+            0.0,
+            f"standard error of {members} gases; off by b/N of the fluctuations of the means",
             samples=members,
+            doubt=floor,
         ),
         bounded(
             "largest rise of the ensemble's H in a step, over its whole fall",
@@ -133,9 +134,10 @@ def _of_ensemble(laboratory: Laboratory, name: str) -> Judged:
             end,
             end_error,
             0.0,
-            floor + 1e-3 * fall,
-            f"standard error of {members} gases; b/N, and 1e-3 of the fall for what is not yet relaxed",
+            0.0,
+            f"standard error of {members} gases; off by b/N, and 1e-3 of the fall for what is not yet relaxed",
             samples=members,
+            doubt=floor + 1e-3 * fall,
         ),
     ]
     return worst(judgements, f"{members} gases of {size} x {size} sites; H falls by {fall:.4g} per site")

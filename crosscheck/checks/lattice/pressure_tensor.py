@@ -52,9 +52,10 @@ def _against(label: str, values: Floats, expected: float) -> Judgement:
         mean.value,
         mean.error,
         expected,
-        1.0 / SIZE,
-        f"standard error of {len(values)} correlated samples; 1/N of fixed momentum over u^2",
+        0.0,
+        f"standard error of {len(values)} correlated samples; off by 1/N of fixed momentum over u^2",
         samples=mean,
+        doubt=1.0 / (SIZE * SPEED) ** 2,
     )
 
 

@@ -15,9 +15,9 @@ from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import lattice_gas as known
 from crosscheck.references.lattice_models import VELOCITIES
-from crosscheck.references.vortex_street import plate_strouhal
+from crosscheck.references.vortex_street import plate_drag, plate_strouhal
 from crosscheck.scene import Floats, Obstacle, Output, Wave
-from crosscheck.statistics import independent_mean
+from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Judged, Judgement, bounded, statistical, worst
 
 ROWS, COLUMNS, PLATE, BLOCK = 1024, 2048, 128, 16
@@ -29,13 +29,15 @@ WARM, STEPS, EVERY = 20_000, 44_000, 100
 class _Wake(NamedTuple):
     """The wake of the plate, in links and steps.
 
-    times: (samples,). signals: velocity across the wake at two places, each (samples,). mean_speed: of the flow. last:
-    the last velocity field.
+    times: (samples,). signals: velocity across the wake at two places, each (samples,). mean_speed: of the flow. force:
+    on all of the gas, per step. density: particles a site of gas. last: the last velocity field.
     """
 
     times: Floats
     signals: list[Floats]
     mean_speed: float
+    force: float
+    density: float
     last: Floats
 
 
@@ -58,21 +60,26 @@ def _wake(laboratory: Laboratory, density: float) -> _Wake:
             velocity_x=0.28,
             waves=(Wave(of="velocity_y", amplitude=0.08, mode=(4.0, 0.0)),),
         ),
-        Output(interval=EVERY, observables=("populations",), fields=(COLUMNS // BLOCK, ROWS // BLOCK)),
+        Output(interval=EVERY, observables=("populations", "force_impulse"), fields=(COLUMNS // BLOCK, ROWS // BLOCK)),
         obstacles=(
             Obstacle(columns=(place, place + 3), rows=(middle - half, middle + half - 1)),
             *(Obstacle(columns=(0, 159), rows=(row, row), rule="specular_y") for row in range(0, ROWS, 16)),
         ),
         force=6e-5,
     )
-    velocity = mean_velocity(populations(laboratory.run(scene, LATTICE)))[WARM // EVERY :]
+    run = laboratory.run(scene, LATTICE)
+    counts = populations(run)[WARM // EVERY :]
+    velocity = mean_velocity(counts)
+    given = run["force_impulse"].sum(axis=1)
     behind, centre = (place + 2 * PLATE) // BLOCK, middle // BLOCK
     signals = [
         np.nanmean(velocity[:, at - 1 : at + 2, centre - 1 : centre + 1, 1], axis=(1, 2))
         for at in (behind, behind + PLATE // BLOCK)
     ]
     times = np.arange(len(signals[0])) * float(EVERY)
-    return _Wake(times, signals, float(np.nanmean(velocity[..., 0])), velocity[-1])
+    force = float(given[-1] - given[WARM // EVERY]) / STEPS
+    middle_of_all = float(np.median(counts[-1].sum(axis=-1))) / BLOCK**2
+    return _Wake(times, signals, float(np.nanmean(velocity[..., 0])), force, middle_of_all, velocity[-1])
 
 
 def _judgements(wake: _Wake, g: float) -> list[Judgement]:
@@ -80,7 +87,12 @@ def _judgements(wake: _Wake, g: float) -> list[Judgement]:
     frequencies, shares = zip(*(_line(wake.times, signal) for signal in wake.signals), strict=True)
     duration = wake.times[-1]
     strouhal = frequencies[0] * PLATE / (g * wake.mean_speed)
-    expected, uncertainty = plate_strouhal(PLATE / HEIGHT)
+    expected = plate_strouhal(PLATE / HEIGHT)
+    turns, error = _turning(wake.times, wake.signals[0], frequencies[0])
+    area = VELOCITIES[MODEL].row_height
+    drag = 2 * wake.force / (wake.density / area * g * wake.mean_speed**2 * PLATE)
+    least, most = plate_drag(PLATE / HEIGHT)
+    why = "of normal plates in two dimensions, up to 1/(1 - blockage)^2 times as much in a row: the flow is that fast"
     return [
         bounded(
             "share of the line in the variance of the velocity across the wake",
@@ -105,14 +117,18 @@ def _judgements(wake: _Wake, g: float) -> list[Judgement]:
         statistical(
             "Strouhal number f D/(g U)",
             strouhal,
-            strouhal / (frequencies[0] * duration) / 10,
-            expected,
-            uncertainty,
-            "line width over ten, its ratio of signal to noise; 0.14 ... 0.18 of normal plates, up to 1/(1 - blockage) "
-            "times as much in a row of them",
-            samples=frequencies[0] * duration * 2,
+            strouhal * error,
+            expected.value,
+            0.0,
+            f"standard error of {turns} half turns of the phase; 0.14 ... 0.18 of normal plates, up to 1/(1 - blockage) "
+            "times as much in a row of them; one of the speed u in place of g u must be seen",
+            samples=turns,
+            doubt=expected.doubt,
+            needed=0.4,
             note=f"period {1 / frequencies[0]:.0f} steps",
         ),
+        bounded("drag coefficient 2 F/(rho g U^2 D), at least", drag, least, why, at_least=True),
+        bounded("drag coefficient 2 F/(rho g U^2 D)", drag, most, why),
     ]
 
 
@@ -135,6 +151,19 @@ def _judge(laboratory: Laboratory, density: float) -> Judged:
         f"blockage {PLATE / HEIGHT:.2f}"
     )
     return worst(_judgements(wake, g), note, figures)
+
+
+def _turning(times: Floats, signal: Floats, frequency: float) -> tuple[int, float]:
+    """Number of half turns of the phase of a line, and the relative standard error of its frequency.
+
+    The phase over each half of a period, in which a wave and its conjugate do not mix, advances by pi with an error of
+    its own: errors of the advances are independent, and add to that of the frequency as they are many.
+    """
+    length = round(0.5 / frequency / times[1])
+    number = len(signal) // length
+    waves = (signal - signal.mean()) * np.exp(-2j * np.pi * frequency * times)
+    phases = np.unwrap(np.angle(waves[: number * length].reshape(number, length).mean(axis=1)))
+    return number - 1, float(standard_error(np.diff(phases) / np.pi))
 
 
 def _line(times: Floats, signal: Floats) -> tuple[float, float]:
@@ -162,8 +191,8 @@ CHECKS = (
     Check(
         name="lattice/vortex-street",
         title="A plate across the flow sheds a vortex street",
-        equation="St = f D/(g U)",
-        criterion="one line in the spectrum; the Strouhal number of plates normal to the flow",
+        equation="St = f D/(g U); C_D = 2 F/(rho g U^2 D)",
+        criterion="one line in the spectrum; Strouhal number and drag coefficient of plates normal to the flow",
         citation="Najjar & Balachandar, J. Fluid Mech. 370, 101 (1998); "
         "Fage & Johansen, Proc. R. Soc. A 116, 170 (1927)",
         judge=_judge,
@@ -192,7 +221,7 @@ CHECKS = (
                     "lattice_gas.force",
                 }
             ),
-            observables=frozenset({"populations"}),
+            observables=frozenset({"populations", "force_impulse"}),
         ),
     ),
 )

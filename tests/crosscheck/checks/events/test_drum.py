@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.checks.events.drum import surface_angle
+from crosscheck.checks.events.drum import fall_angles, surface_angle
 
 
 @given(angle=st.floats(-60, 60), seed=st.integers(0, 1000))
@@ -24,3 +24,11 @@ def test_surface_angle_of_a_half_full_drum(angle: float, seed: int) -> None:
 
 def test_surface_angle_needs_four_strips() -> None:
     assert math.isnan(surface_angle(np.array([[10.0, 5.0], [11.0, 5.0]]), np.full(2, 10.0), 10.0))
+
+
+@given(angle=st.floats(-89, 89), radius=st.floats(0.1, 5))
+def test_fall_angle_is_that_of_the_centre_of_mass(angle: float, radius: float) -> None:
+    turn = math.radians(angle)
+    centre = np.array([10 + radius * math.sin(turn), 10 - radius * math.cos(turn)])
+    offsets = np.array([[-1.0, 2.0], [1.0, -2.0]])
+    assert fall_angles([centre + offsets], [10.0, 10.0]) == pytest.approx([angle], abs=1e-6)

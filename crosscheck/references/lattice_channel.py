@@ -1,0 +1,61 @@
+"""Gas in a channel between rows of wall sites, by the linearised lattice Boltzmann equation: its slip, and its sound.
+
+A small departure a_i(y) from equilibrium, times exp(i k x) along the channel, moves by
+
+    a_i(y + c_iy) exp(i k c_ix) <- (a + J a)_i(y) at a row with gas, the reversed channels of a at a row of wall sites,
+
+in a step, with the collision matrix J of `lattice_models`. That holds layers next to the walls a mean free path deep,
+where the gas is no viscous fluid, and places the walls: nothing is fitted. Rows are periodic. Units: links and steps.
+
+Literature: U. Frisch et al., Complex Systems 1, 649 (1987) (Boltzmann equation); R. Cornubert, D. d'Humieres and D.
+Levermore, Physica D 47, 241 (1991) (layers at walls of wall sites).
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.references.lattice_models import VELOCITIES, fermi_dirac, linearised_collision
+
+#: What a wall site does: reverse the velocity; or reverse it across the wall, and along it with probability 1/2.
+Rule = Literal["bounce_back", "diffusive_y"]
+
+
+def _step(
+    model: str, density: float, rows: int, walls: tuple[int, ...], rule: Rule, wavenumber: float
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """What happens at the rows, and the move to the next rows, each (rows b, rows b) on a (rows, b) as one vector."""
+    c, integers = VELOCITIES[model].cartesian, VELOCITIES[model].integers
+    b = len(c)
+    gas = np.eye(b) + linearised_collision(model, fermi_dirac(model, density, (0.0, 0.0)))
+    reversed_at, mirrored = np.zeros((b, b)), np.zeros((b, b))
+    for i, (x, y) in enumerate(integers):
+        reversed_at[integers.index((-x, -y)), i] = 1.0
+        mirrored[integers.index((x, -y)), i] = 1.0
+    wall = reversed_at if rule == "bounce_back" else (reversed_at + mirrored) / 2
+    local, move = (np.zeros((rows, b, rows, b), dtype=np.complex128) for _ in range(2))
+    for row in range(rows):
+        local[row, :, row] = wall if row in walls else gas
+        for i, (_, up) in enumerate(integers):
+            move[(row + up) % rows, i, row, i] = np.exp(-1j * wavenumber * c[i, 0])
+    return local.reshape(rows * b, rows * b), move.reshape(rows * b, rows * b)
+
+
+def forced_channel(model: str, density: float, rows: int, rule: Rule) -> NDArray[np.float64]:
+    """Momentum along the channel per site of each row, (rows,), where a steady force gives 1 a step to every site.
+
+    The row 0 is a wall. model: a name of `MODELS`, else KeyError. density: d, mean occupation. rows: sites across, the
+    wall included. rule: of the wall sites. By derivation: see the top; the force turns particles from -x to +x.
+    """
+    c = VELOCITIES[model].cartesian
+    local, move = _step(model, density, rows, (0,), rule, 0.0)
+    given = np.zeros((rows, len(c)))
+    given[1:] = c[:, 0] * (abs(c[:, 1]) < 1e-12)
+    given /= float(given[1] @ c[:, 0])
+    step = (move @ local).real
+    # mass is kept, so the steady state is not unique: the solution of least norm has the momentum of all of them
+    steady = np.linalg.lstsq(np.eye(step.shape[0]) - step, (move @ local).real @ given.ravel())[0]
+    return np.asarray(steady.reshape(rows, -1) @ c[:, 0])
