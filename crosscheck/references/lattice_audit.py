@@ -71,7 +71,7 @@ class Lattice:
         reached = []
         for velocity in velocities(model):
             distance, site = tree.query(self._inside(start + velocity))
-            if distance.max() > _SAME_PLACE:
+            if np.max(distance) > _SAME_PLACE:
                 raise ValueError(f"{rows} x {columns} sites of {model}: a particle arrives between sites")
             reached.append(site)
         #: (b, sites): the site that a particle of channel i arrives at from each site

@@ -26,8 +26,10 @@ Floats = NDArray[np.float64]
 
 #: Outcomes expected less often share a bin: beyond, the distribution of chi^2 is the continuous one far into its tail.
 _LEAST_EXPECTED = 20.0
-#: Pairs of sites, at least, of a distance that is judged: the sum over fewer is not yet normal.
-_LEAST_PAIRS = 400
+#: Pairs of sites, at least, of a distance that is judged. The sum of so many products of bounded numbers has no heavier
+#: tail than a normal variable where outcomes are equally likely, and e times its probability at 6 where one is twice as
+#: likely as the other.
+_LEAST_PAIRS = 100
 #: Of all smaller ones the normal variable is the same, and finite.
 _LEAST_PROBABILITY = 1e-300
 
@@ -113,24 +115,38 @@ def serial(one: Motion, probabilities: Floats, other: Motion | None = None) -> S
     one: steps of a gas. probabilities: M_st of every site, uniform among the outcomes. other: steps of the same gas
     with another seed, with which `one` is compared in place of itself. ValueError if no distance has enough pairs.
     """
-    steps, rows, columns = one.arrived.shape
+    scores, drawn = _scores(probabilities), (probabilities > 0) & ((probabilities > 0).sum(axis=1, keepdims=True) > 1)
+
+    def marked(gas: Motion) -> tuple[Floats, Floats]:
+        return scores[gas.arrived, gas.after], drawn[gas.arrived, gas.after].astype(np.float64)
+
+    return largest_correlation(*marked(one), *(() if other is None else marked(other)))
+
+
+def largest_correlation(
+    scores: Floats, drawn: Floats, other_scores: Floats | None = None, other_drawn: Floats | None = None
+) -> Serial:
+    """The largest correlation of independent variables z of mean 0 and variance 1, at any distance.
+
+    scores: z, (steps, rows, columns), 0 where there is none; periodic along rows and columns. drawn: 1 where there is a
+    z, else 0. other_scores, other_drawn: the same of others, with which they are compared in place of themselves.
+    ValueError if no distance has enough pairs.
+    """
+    steps, rows, columns = scores.shape
     shape = (2 * steps, rows, columns)  # steps are not periodic: as many empty ones behind them
-    scores, drawn = _scores(probabilities), (probabilities > 0).sum(axis=1) > 1
     correlations = []
-    for table in (scores, drawn[:, None] & (probabilities > 0)):
-        first = np.fft.rfftn(table[one.arrived, one.after].astype(np.float64), shape)
-        second = first
-        if other is not None:
-            second = np.fft.rfftn(table[other.arrived, other.after].astype(np.float64), shape)
-        correlations.append(np.fft.irfftn(first.conj() * second, shape))
+    for one, other in ((scores, other_scores), (drawn, other_drawn)):
+        first = np.fft.rfftn(one, shape, axes=(0, 1, 2))
+        second = first if other is None else np.fft.rfftn(other, shape, axes=(0, 1, 2))
+        correlations.append(np.fft.irfftn(first.conj() * second, shape, axes=(0, 1, 2)))
     sums, pairs = correlations[0], np.rint(correlations[1])
-    if other is None:  # each pair is there twice, as a distance and its opposite
+    if other_scores is None:  # each pair is there twice, as a distance and its opposite
         pairs[0, 0, 0] = 0
         pairs[steps:] = 0
     enough = pairs >= _LEAST_PAIRS
     number = int(enough.sum())
     if not number:
-        raise ValueError("too few pairs of sites with random outcomes")
+        raise ValueError("too few pairs of random outcomes")
     found = np.where(enough, sums / np.sqrt(np.maximum(pairs, 1)), 0.0)
     step, row, column = (int(k) for k in np.unravel_index(np.abs(found).argmax(), shape))
     largest = as_normal(float(2 * norm.sf(abs(found[step, row, column]))), number)

@@ -112,7 +112,7 @@ def fermi_dirac(model: str, density: ArrayLike, velocity: ArrayLike) -> NDArray[
         unknown = unknown + step
         if np.abs(step).max() < 1e-14 * max(1.0, np.abs(unknown).max()):
             return np.asarray(1 / (1 + np.exp(unknown @ charges.T)))
-    raise ArithmeticError(f"no equilibrium found for d = {density}, u = {np.asarray(velocity).tolist()}")
+    raise ArithmeticError(f"no equilibrium found for d = {d.tolist()}, u = {np.asarray(velocity).tolist()}")
 
 
 def low_speed_equilibrium(model: str, density: float, velocity: ArrayLike) -> NDArray[np.float64]:
@@ -197,9 +197,9 @@ def _changes(model: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def mean_collision(model: str, occupations: ArrayLike) -> NDArray[np.float64]:
-    """Delta_i = sum_s P(s) sum_t A(s -> t) (t_i - s_i), (..., b), P the product of f_j or 1 - f_j: independent channels.
+    """Delta_i = sum_s P(s) sum_t A(s -> t) (t_i - s_i), (..., b), P the product of f_j or 1 - f_j.
 
-    occupations: f_i (..., b) before the collision.
+    The channels are independent. occupations: f_i (..., b) before the collision.
 
     model: a name of `MODELS`, else KeyError.
     """

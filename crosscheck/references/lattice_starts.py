@@ -1,4 +1,4 @@
-"""Initial states of lattice gases, from the words of a scene: mean occupations of each site, and fixed numbers of cells.
+"""Initial states of lattice gases, from the words of a scene: mean occupations of sites, and fixed numbers of cells.
 
 Units: links and steps. Derived from coordinates and from the two properties that make occupations an equilibrium of
 Fermi and Dirac: their sums, and that the logarithm of f/(1 - f) is a constant plus a vector times the velocity. There

@@ -1,0 +1,197 @@
+"""Random outcomes of lattice gases: how often each, and whether a random number is used twice.
+
+Sites whose state has several outcomes, particles that the force can turn, and those that diffusive walls can send along
+either of two channels, by some ten thousand each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import Check, Laboratory, Tier, Variant
+from crosscheck.checks.lattice.gases import FHP, LATTICE, filled, gas_scene
+from crosscheck.checks.lattice.recording import Recorded, lattice_methods, recorded
+from crosscheck.engines.capabilities import Needs
+from crosscheck.errors import Unsupported
+from crosscheck.faults import Fault
+from crosscheck.references.lattice_audit import Motion, coins, draws_of, outcomes, pushes
+from crosscheck.references.lattice_draws import frequencies, serial
+from crosscheck.references.lattice_models import MODELS
+from crosscheck.scene import Floats, Obstacle, Output, Scene
+from crosscheck.verdict import Judged, Judgement, round_off, statistical, worst
+
+#: Of each model: the place of the scheme that is judged among those that count particles, in the quick tier.
+_SCHEMES = {"fhp1": 2, "fhp2": 2, "fhp3": 1, "fhp_saturated": 0, "fhp_saturated_identity": 2}
+#: The density of most head-on pairs, and some of all other states.
+DENSITY = 0.35
+FORCE = -0.37
+
+
+class _Case(NamedTuple):
+    """A model; with diffusive walls and a force or without; the place of the scheme among the engine's."""
+
+    model: str
+    driven: bool
+    scheme: int
+
+
+def _judge(laboratory: Laboratory, case: _Case) -> Judged:
+    scene = _driven_scene(case.model, laboratory.seed()) if case.driven else _free_scene(case.model, laboratory.seed())
+    found = _recorded(laboratory, scene.changed(seed=laboratory.seed("one")), case.scheme)
+    again = recorded(laboratory, scene.changed(seed=laboratory.seed("other")), found.method)
+    first = found.forbidden
+    judgements: list[Judgement] = [
+        round_off(
+            "sites that leave a step in a state that the arrived one cannot become",
+            first.number,
+            0.5,
+            "coordinates say where each particle arrives, the definition of the model what it may become",
+            note=first.first,
+        )
+    ]
+    if case.driven:
+        judgements += _of_collisions_with_force(found)
+        judgements += _of("particles that the force can turn", *_pushed(found, again), draws_of(abs(FORCE)))
+        judgements += _of("particles that diffusive walls send either way", *_tossed(found, again), draws_of(0.5))
+    else:
+        judgements += _of("outcomes of collisions", found.motion, again.motion, outcomes(case.model, "", None))
+    rows, columns = found.walls.shape
+    return worst(judgements, f"{found.method.scheme}: {len(found.trajectory) - 1} steps of {rows} x {columns} sites")
+
+
+def _recorded(laboratory: Laboratory, scene: Scene, number: int) -> Recorded:
+    """With the scheme of this number, counted round, among those that count particles and can run the scene."""
+    able = []
+    for method in lattice_methods(laboratory.engine):
+        try:
+            probe = recorded(laboratory, scene.changed(duration=0), method)
+        except Unsupported:
+            continue
+        if probe.whole:
+            able.append(method)
+    if not able:
+        raise Unsupported(f"{laboratory.engine}: no lattice scheme that counts particles can run this scene")
+    return recorded(laboratory, scene, able[number % len(able)])
+
+
+def _free_scene(model: str, seed: int) -> Scene:
+    # in FHP-I and II only head-on pairs have two outcomes
+    rows, steps = (64, 6) if model in ("fhp1", "fhp2") else (48, 5)
+    return gas_scene("free", model, rows, 128, steps, filled(DENSITY, seed), Output())
+
+
+def _driven_scene(model: str, seed: int) -> Scene:
+    """Thin walls, so that many particles meet them."""
+    walls = tuple(Obstacle(rows=(row, row), rule="diffusive_y") for row in range(2, 64, 5))
+    posts = tuple(Obstacle(columns=(column, column), rule="diffusive_x") for column in range(3, 64, 9))
+    return gas_scene(
+        "driven", model, 64, 64, 8, filled(DENSITY, seed), Output(), obstacles=(*walls, *posts), force=FORCE
+    )
+
+
+def _pushed(found: Recorded, again: Recorded) -> tuple[Motion, Motion]:
+    one, other = (pushes(gas.lattice, gas.walls, FORCE, gas.motion) for gas in (found, again))
+    return one, other
+
+
+def _tossed(found: Recorded, again: Recorded) -> tuple[Motion, Motion]:
+    one, other = (coins(gas.lattice, gas.walls, gas.motion) for gas in (found, again))
+    return one, other
+
+
+def _counts(motion: Motion, number: int) -> Floats:
+    """How often each state became each other one, (number, number)."""
+    flat = motion.arrived.ravel() * number + motion.after.ravel()
+    return np.bincount(flat, minlength=number**2).reshape(number, number).astype(np.float64)
+
+
+def _of_collisions_with_force(found: Recorded) -> Iterable[Judgement]:
+    """The force and the collision of a site together: they draw independent numbers."""
+    fluid = found.walls == ""
+    there = Motion(found.motion.arrived[:, fluid], found.motion.after[:, fluid])
+    yield from _frequencies("outcomes of force and collision", there, outcomes(found.lattice.model, "", FORCE))
+
+
+def _frequencies(label: str, motion: Motion, probabilities: Floats) -> Iterable[Judgement]:
+    found = frequencies(_counts(motion, len(probabilities)), probabilities)
+    why = f"chi^2 of {found.draws} outcomes, as the normal variable of the same probability"
+    for which, value in (("all states", found.total), (f"the worst state, {found.state:b}", found.worst)):
+        yield statistical(f"{label}, {which}", value, 1.0, 0.0, 0.0, why, samples=found.draws)
+
+
+def _of(label: str, one: Motion, other: Motion, probabilities: Floats) -> Iterable[Judgement]:
+    yield from _frequencies(label, one, probabilities)
+    for name, compared in (("of one run", None), ("of two seeds", other)):
+        found = serial(one, probabilities, compared)
+        step, row, column = found.distance
+        yield statistical(
+            f"{label}, {name}: largest serial correlation, {step} steps, {row} rows, {column} columns apart",
+            found.largest,
+            1.0,
+            0.0,
+            0.0,
+            f"the largest of {found.distances} distances, as one normal variable of the same probability",
+            samples=found.distances,
+        )
+
+
+def _variants() -> Iterable[Variant]:
+    for model, scheme in _SCHEMES.items():
+        for number in range(3):
+            tier: Tier = "quick" if number == scheme else "full"
+            yield Variant(f"{model}-{number + 1}", _Case(model, False, number), tier)
+    for number in range(3):
+        yield Variant(f"fhp1-driven-{number + 1}", _Case("fhp1", True, number), "quick" if number == 2 else "full")
+    for model in MODELS:
+        if model != "fhp1":
+            yield Variant(f"{model}-driven-1", _Case(model, True, 0), "full")
+
+
+CHECKS = (
+    Check(
+        name="lattice/outcomes",
+        title="Random outcomes of collisions, of the force and of diffusive walls: frequencies and serial correlation",
+        equation="P(s -> t) = A(s -> t), and draws that do not know of each other",
+        criterion="chi^2 of each state and of all; the largest correlation at any distance in time and space",
+        citation=FHP,
+        judge=_judge,
+        variants=tuple(_variants()),
+        faults=(
+            (
+                "fhp1-3",
+                Fault(
+                    "same-number-in-two-rows",
+                    "lattice/randomness.py",
+                    "return mix64(key + (row + _ONE) * GAMMA)",
+                    "return mix64(key + (row // np.uint64(2) + _ONE) * GAMMA)",
+                    "two rows draw the same random bits",
+                ),
+            ),
+            (
+                "fhp2-3",
+                Fault(
+                    "always-one-way",
+                    "lattice/plain.py",
+                    "            fresh = sum(self._bits(COLLISION, draw + j).astype(np.int64)",
+                    "            fresh = sum(0 * self._bits(COLLISION, draw + j).astype(np.int64)",
+                    "all head-on pairs turn the same way",
+                ),
+            ),
+            (
+                "fhp1-driven-3",
+                Fault(
+                    "no-tossing",
+                    "lattice/plain.py",
+                    "        coin = self._bits(WALLS, 0)",
+                    "        coin = self._bits(WALLS, 0) | self._bits(WALLS, 1)",
+                    "diffusive walls send three of four particles straight back",
+                ),
+            ),
+        ),
+        needs=Needs("lattice_gas", (LATTICE,), observables=frozenset({"populations"})),
+        interpreted=True,
+    ),
+)
