@@ -28,6 +28,7 @@ from crosscheck.references import EPSILON
 from crosscheck.references import lattice_gas as known
 from crosscheck.references import lattice_thesis as reported
 from crosscheck.references.channel_flow import channel_sound, lagging_viscosity
+from crosscheck.references.lattice_channel import slip_length
 from crosscheck.references.lattice_models import VELOCITIES, modes
 from crosscheck.scene import Floats, Obstacle, Output, Wave
 from crosscheck.statistics import independent_mean
@@ -288,34 +289,41 @@ def _hpp_periodic(laboratory: Laboratory) -> Judged:
 class _Layers(NamedTuple):
     """What damps and slows sound in the box of experiment 2.
 
-    k: wave number of the sound, 1/links. height: between the side walls, links. viscosity, error: of the gas in waves
-    that decay as fast as the sound swings. longer: in waves twice as long.
+    k: wave number of the sound, 1/links. height: between the side walls, links. boltzmann: the gas's viscosity in the
+    Boltzmann equation; viscosity, error: in waves that decay as fast as the sound swings; longer: in waves twice as
+    long. slip: at the walls, by the Boltzmann equation, links.
     """
 
     k: float
     height: float
+    boltzmann: float
     viscosity: float
     error: float
     longer: float
+    slip: float
 
-    def sound(self, change: float = 0.0, slip: float = 0.0) -> complex:
-        """Rate of the sound, with a change of the viscosity, and with a slip at the walls, links."""
-        nu = lagging_viscosity(self.viscosity, self.longer) + change
-        return channel_sound(known.SOUND_SPEED[FHP], nu, self.k, self.height, slip)
+    def sound(self, share: float = 0.5, change: float = 0.0, slip: float = 0.0) -> complex:
+        """Rate of the sound; share: of the long-time tail; change: of the viscosity; slip: further one, links.
+
+        The walls cut the tail off, at a depth like that of the layers: between none of it and that of free waves.
+        """
+        tail = lagging_viscosity(self.viscosity, self.longer) - self.boltzmann
+        nu = self.boltzmann + share * tail + change
+        return channel_sound(known.SOUND_SPEED[FHP], nu, self.k, self.height, self.slip + slip)
 
     @property
-    def slip(self) -> float:
-        """Largest slip, links: half a link, for a wall between two sites, or a mean free path, 2 nu at speed 1."""
-        return max(0.5, 2 * self.viscosity)
+    def path(self) -> float:
+        """A mean free path, 2 nu at speed 1: by so much the walls' place is in doubt, links."""
+        return 2 * self.viscosity
 
     def off(self) -> tuple[float, float]:
-        """By how much damping and frequency may be off: the longer waves' viscosity, and slip either way."""
+        """By how much damping and frequency may be off: half of the tail, and a mean free path of slip either way."""
         middle = self.sound()
-        slips = [self.sound(slip=sign * self.slip) - middle for sign in (-1, 1)]
-        other = self.sound(self.longer - self.viscosity) - middle
+        tails = [self.sound(share) - middle for share in (0.0, 1.0)]
+        slips = [self.sound(slip=sign * self.path) - middle for sign in (-1, 1)]
         return (
-            abs(other.real) + max(abs(one.real) for one in slips),
-            abs(other.imag) + max(abs(one.imag) for one in slips),
+            max(abs(one.real) for one in tails) + max(abs(one.real) for one in slips),
+            max(abs(one.imag) for one in tails) + max(abs(one.imag) for one in slips),
         )
 
 
@@ -323,20 +331,22 @@ def _layers(laboratory: Laboratory, density: float, k: float, height: float) -> 
     """The viscosity of boundary layers, sqrt(2 nu/omega) thick: that of waves which decay with the rate omega.
 
     Long-time tails make it grow with the length of the wave. Such a wave is as long as the layers are deep, to a
-    factor: it stands for them as nearly as it is like one twice as long.
+    factor.
     """
-    omega, nu = known.SOUND_SPEED[FHP] * k, known.shear_viscosity(FHP, density)
-    waves = [2 * round(factor * math.pi / math.sqrt(omega / nu) / VELOCITIES[FHP].row_height) for factor in (1.0, 2.0)]
+    omega, boltzmann = known.SOUND_SPEED[FHP] * k, known.shear_viscosity(FHP, density)
+    waves = [
+        2 * round(factor * math.pi / math.sqrt(omega / boltzmann) / VELOCITIES[FHP].row_height) for factor in (1.0, 2.0)
+    ]
     (nu, error), (longer, _) = (
         independent_mean(shear_wave_viscosities(laboratory, FHP, density, rows)) for rows in waves
     )
     # what the Boltzmann equation has for so short a wave, which is of another order in k, is taken off
     short, long = (
-        modes(FHP, density, (0.0, wavenumber(FHP, rows))).shear_decay / wavenumber(FHP, rows) ** 2
-        - known.shear_viscosity(FHP, density)
+        modes(FHP, density, (0.0, wavenumber(FHP, rows))).shear_decay / wavenumber(FHP, rows) ** 2 - boltzmann
         for rows in waves
     )
-    return _Layers(k, height, nu - short, error, longer - long)
+    slip = slip_length(FHP, density, "bounce_back")
+    return _Layers(k, height, boltzmann, nu - short, error, longer - long, slip)
 
 
 def _sound_of_the_box(laboratory: Laboratory, density: float, columns: int, rows: int, rate: complex) -> Floats:
@@ -391,14 +401,14 @@ def _judge_fhp(laboratory: Laboratory, density: float) -> Judged:
 def _against_layers(layers: _Layers, length: float, right: Floats) -> list[Judgement]:
     """Damping and speed of the first cosine, (runs, 2), against sound with boundary layers on both side walls."""
     k, channel = layers.k, layers.sound()
-    noise = layers.sound(layers.error) - channel
+    noise = layers.sound(change=layers.error / 2) - channel
     alpha, u_alpha = independent_mean(right[:, 0])
     speed, u_speed = independent_mean(right[:, 1] / k)
     damping_off, frequency_off = layers.off()
     free = known.SOUND_SPEED[FHP]
     why = (
         f"standard errors of {MANY} runs at each of two amplitudes, and of nu; boundary layers on both side walls, off "
-        f"by what the viscosity of waves twice as long and a slip of {layers.slip:.2g} links change"
+        f"by half of the long-time tail, which walls cut off, and by a mean free path, {layers.path:.2g} links, of slip"
     )
     return [
         statistical(
