@@ -59,3 +59,16 @@ def forced_channel(model: str, density: float, rows: int, rule: Rule) -> NDArray
     # mass is kept, so the steady state is not unique: the solution of least norm has the momentum of all of them
     steady = np.linalg.lstsq(np.eye(step.shape[0]) - step, (move @ local).real @ given.ravel())[0]
     return np.asarray(steady.reshape(rows, -1) @ c[:, 0])
+
+
+def slip_length(model: str, density: float, rule: Rule, rows: int = 64) -> float:
+    """b, where the gas slips at wall sites by b times its gradient there, links; negative: it rests beside them.
+
+    From the parabola in the middle half of `forced_channel`, extended to the wall. model, density, rule, rows: as
+    there.
+    """
+    flow = forced_channel(model, density, rows, rule)
+    y = np.arange(rows) * VELOCITIES[model].row_height
+    middle = slice(rows // 4, rows - rows // 4 + 1)
+    _, slope, wall = np.polyfit(y[middle], flow[middle], 2)
+    return float(wall / slope)

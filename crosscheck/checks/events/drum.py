@@ -178,7 +178,7 @@ def _second_halving(angles: list[Mean]) -> Judgement:
         "standard errors of three runs: the straight line through t_c and t_c/2, as the TC model's share is of first "
         "order",
         samples=angles,
-        needed=0.1,
+        needed=0.15,
         note=", ".join(f"{one.value:.2f} +- {one.error:.2f}" for one in angles),
     )
 

@@ -10,6 +10,7 @@ from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import granular as reference
+from crosscheck.references.hard_spheres import finite_collision_rate
 from crosscheck.scene import GrainFriction
 from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Judged, statistical, worst
@@ -61,7 +62,14 @@ def _judge_rough(laboratory: Laboratory, case: _Rough) -> Judged:
         f"{why}; expected: Maxwellian rates at the simulated ratio, off by what the closure's own ratio changes",
         samples=STARTS, doubt=abs(losses[1] - losses[0]) + losses[0] * few, needed=0.04,
     )  # fmt: skip
-    return worst([settles, decays], f"N = {gas.number}; the Maxwellian closure has T_rot/T_tr = {closure:.4f}")
+    rate = finite_collision_rate(packing, gas.number, dimension)
+    by_time = statistical(
+        "cooling rate at T_tr = 1",
+        *independent_mean(gas.rates()), losses[0] * rate.value, 0.0,
+        f"{why}; expected: the same rates with Enskog's collision rate, off by the same and 1 % of it (the cumulants)",
+        samples=STARTS, doubt=rate.value * (abs(losses[1] - losses[0]) + losses[0] * (1.5 * few + 0.01)), needed=0.08,
+    )  # fmt: skip
+    return worst([settles, decays, by_time], f"N = {gas.number}; the Maxwellian closure has T_rot/T_tr = {closure:.4f}")
 
 
 CHECKS = (

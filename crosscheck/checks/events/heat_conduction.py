@@ -141,8 +141,10 @@ def _pressure(found: _Profiles, step: float, dimension: int) -> Judgement:
     """The momentum flux between cells over n T Z of what the cells hold: n and T, which the flux is compared with."""
     inner, states = _inner(found)
     z = [compressibility(packing_fraction(n, dimension), dimension) for n, _ in states]
-    theory = np.array([n * t * one.value for (n, t), one in zip(states, z, strict=True)])
-    ratio = mean_of_stretches(found.pressure[:, inner].mean(axis=1) / theory.mean())
+    # each stretch by its own n and T, with which its pressure varies
+    n, t = (0.5 * (one[:, inner] + one[:, np.array(inner) + 1]) for one in (found.density, found.temperature))
+    factor = np.vectorize(lambda x: compressibility(packing_fraction(x, dimension), dimension).value)
+    ratio = mean_of_stretches((found.pressure[:, inner] / (n * t * factor(n))).mean(axis=1))
     # of second order in the gradient over a mean free path, as are the normal stresses of a gas that conducts heat
     slopes = np.diff(found.temperature.mean(axis=0))[inner] / step
     paths = [maxwell_mean_speed(dimension) / collision_rate(packing_fraction(n, dimension), dimension).value

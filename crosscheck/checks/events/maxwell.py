@@ -10,10 +10,11 @@ from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full, quick
 from crosscheck.checks.events.gases import TALLIES, event_driven, gas
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Histogram, Series
+from crosscheck.references import EPSILON
 from crosscheck.references import speeds as reference
 from crosscheck.scene import Floats, Output
 from crosscheck.statistics import standard_error
-from crosscheck.verdict import FALSE_ALARM, Judged, bounded, by_chance, statistical, worst
+from crosscheck.verdict import FALSE_ALARM, Judged, bounded, by_chance, round_off, statistical, worst
 
 
 class _Speeds(NamedTuple):
@@ -47,7 +48,14 @@ def _judge(laboratory: Laboratory, gases: _Speeds) -> Judged:
     means, errors = ratios.mean(axis=0), standard_error(ratios)
     # what a finite number at constant energy lacks in equilibrium: as much at most before
     few = reference.moment_ratio(d) - reference.moment_ratio(d, d * number)
-    judgements = []
+    judgements = [
+        round_off(
+            "mean square speed less 1, by which the fourth power is divided",
+            float(abs(squares.mean(axis=2) - 1).max()),
+            16 * EPSILON * COUNTS[-1],
+            "elastic: eight roundings a collision of each partner, at worst all alike",
+        )
+    ]
     for index, count in enumerate(COUNTS):
         known = reference.mono_speed_moment_ratio(count, np.inf, d)
         judgements.append(

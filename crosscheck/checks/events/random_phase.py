@@ -10,10 +10,10 @@ from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
 from crosscheck.checks.events.over_floor import FLOOR, FLOOR_OBSERVABLES, FLOOR_WORDS, over_floor, plate_figures
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
-from crosscheck.references import floors
+from crosscheck.references import EPSILON, floors
 from crosscheck.scene import Face, RandomPhase
 from crosscheck.statistics import standard_error
-from crosscheck.verdict import Judged, statistical
+from crosscheck.verdict import Judged, round_off, statistical, worst
 
 #: Grains of each run; laws of the phase, and velocities before the impact in units of V0.
 GRAINS = 40000
@@ -44,7 +44,7 @@ def _judge_random(laboratory: Laboratory, draw: _Draw) -> Judged:
     expected, error = (single, 0.0) if u >= 2 else (visit, 1e-3)
     plates = (run["final_velocities"][:, 1] - u) / 2
     figures = plate_figures(plates, u, f"{law} phases, u = {u:g}") if u >= 2 else ()
-    return statistical(
+    gained = statistical(
         "mean energy gained in a visit to the wall",
         float(gains.mean()),
         float(standard_error(gains)),
@@ -54,9 +54,24 @@ def _judge_random(laboratory: Laboratory, draw: _Draw) -> Judged:
         samples=GRAINS,
         doubt=error,
         needed=0.1,
-        note=f"{hits:.4f} impacts a visit" + (f"; closed form of one impact {single:.4f}" if u < 2 else ""),
         figures=figures,
     )
+    given = float(run["wall_energy"][-1, FLOOR])
+    judgements = [
+        gained,
+        round_off(
+            "energy that the wall reports over that of the grains' velocities, less 1",
+            abs(given / float(gains.sum()) - 1),
+            EPSILON * GRAINS * (u + 2) ** 2,
+            "a rounding of the largest energy, (u + 2 V0)^2/2, an impact, at worst all alike, over the mean gain",
+        ),
+    ]
+    if u >= 2:  # no wall that is slower overtakes the grain again
+        judgements.append(
+            round_off("impacts of a grain, less 1", abs(hits - 1), 0.5 / GRAINS, "one visit: not one impact more")
+        )
+    note = f"{hits:.4f} impacts a visit" + (f"; closed form of one impact {single:.4f}" if u < 2 else "")
+    return worst(judgements, note)
 
 
 CHECKS = (

@@ -8,12 +8,12 @@ import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
 from crosscheck.checks.events.gases import event_driven
-from crosscheck.checks.events.square_wells import OBSERVABLES, WORDS, fluid, temperatures
+from crosscheck.checks.events.square_wells import OBSERVABLES, WORDS, constant_energy, fluid, temperatures
 from crosscheck.faults import Fault
 from crosscheck.references.square_well import STATES, StatePoint
 from crosscheck.scene import Floats, Output, Scene, explicit
 from crosscheck.statistics import Mean, combined, correlated_mean
-from crosscheck.verdict import Judged, statistical, worst
+from crosscheck.verdict import Judged, Judgement, statistical, worst
 
 
 class _Liquid(NamedTuple):
@@ -47,11 +47,15 @@ def _rescaled(laboratory: Laboratory, scene: Scene, temperature: float, rounds: 
 
 
 class _Production(NamedTuple):
-    """Averages over intervals: temperature, energy of the wells a particle, Z with the ideal part 1."""
+    """Averages over intervals: temperature, energy of the wells a particle, Z with the ideal part 1.
+
+    kept: that the energy is.
+    """
 
     temperature: Floats
     energy: Floats
     compressibility: Floats
+    kept: Judgement
 
 
 def _produced(laboratory: Laboratory, scene: Scene, duration: float) -> _Production:
@@ -62,7 +66,7 @@ def _produced(laboratory: Laboratory, scene: Scene, duration: float) -> _Product
     energy = np.diff(run["potential_energy_integral"]) / (interval * scene.number)
     # over the mean temperature: that of an interval fluctuates together with its virial
     z = 1 + np.diff(run["collisional_virial"]) / (3 * scene.number * t.mean() * interval)
-    return _Production(t, energy, z)
+    return _Production(t, energy, z, constant_energy(scene, run))
 
 
 def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
@@ -80,8 +84,9 @@ def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
     t, capacity = point.temperature, 1.5 + slope
     # <T> at constant E is not the canonical T: u(T) differs by -T^2 c'/(2 N c), c' of the size 2 u'/T
     ensemble = 1 / 256 * t * abs(slope) / capacity
-    means = [[float(series.mean()) for series in run] for run in runs]
+    means = [[float(series.mean()) for series in run[:3]] for run in runs]
     judgements = [
+        *(run.kept for run in runs),
         statistical(
             f"u at T = {t:g}",
             energy.value,

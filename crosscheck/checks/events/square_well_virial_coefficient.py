@@ -8,14 +8,14 @@ import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, variants_of
 from crosscheck.checks.events.gases import event_driven
-from crosscheck.checks.events.square_wells import OBSERVABLES, WORDS, fluid, temperatures
+from crosscheck.checks.events.square_wells import OBSERVABLES, WORDS, constant_energy, fluid, temperatures
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import square_well as reference
 from crosscheck.references.square_well import WIDTH
 from crosscheck.scene import Output
 from crosscheck.statistics import correlated_mean
-from crosscheck.verdict import Judged, statistical
+from crosscheck.verdict import Judged, statistical, worst
 
 #: Range in density: B_2 n is a few per cent, and what follows B_3 n^2 is far below.
 DILUTE = {2: 0.02, 3: 0.01}
@@ -63,7 +63,7 @@ def _judge(laboratory: Laboratory, gas: _Gas) -> Judged:
     shown = float(reference.second_virial(temperature, WIDTH, dimension))
     curve = np.geomspace(1.2, 8, 60)
     theory = reference.second_virial(curve, WIDTH, dimension)
-    return statistical(
+    coefficient = statistical(
         "1 - B_2/b, the part of the well",
         1 - b2 / core,
         error,
@@ -84,6 +84,7 @@ def _judge(laboratory: Laboratory, gas: _Gas) -> Judged:
             ),
         ),
     )  # fmt: skip
+    return worst([constant_energy(scene, run), coefficient])
 
 
 CHECKS = (

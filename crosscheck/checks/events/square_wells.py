@@ -9,8 +9,10 @@ import numpy as np
 
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.engines.protocol import Run
+from crosscheck.references import EPSILON
 from crosscheck.references.square_well import WIDTH
 from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene, Well
+from crosscheck.verdict import Judgement, round_off
 
 #: Observables of every scene: the same everywhere, so that all scenes share one compiled loop.
 OBSERVABLES: tuple[Observable, ...] = (
@@ -41,6 +43,23 @@ def fluid(dimension: int, number: int, density: float, temperature: float, seed:
         box=Box(density=density),
         initial=Lattice(kind="lattice", structure=structure, number=number, temperature=temperature, seed=seed),  # type: ignore[arg-type]
         output=Output(interval=1.0, observables=OBSERVABLES),
+    )
+
+
+def constant_energy(scene: Scene, run: Run) -> Judgement:
+    """The time integral of K + U over E t: K gives the temperature that pressures are divided by.
+
+    E is that of the start: K of its velocities, and the wells' energy. scene: gives them. run: with `OBSERVABLES`, from
+    the start on.
+    """
+    state = scene.initial_state()
+    kinetic, wells = 0.5 * float((state.velocities**2).sum()), float(run["potential_energy"][0])
+    integral = float(run["kinetic_energy_integral"][-1] + run["potential_energy_integral"][-1])
+    return round_off(
+        "time integral of K + U over t, less K + U of the start, over their size",
+        abs(integral / float(run["time"][-1]) - kinetic - wells) / (kinetic + abs(wells)),
+        2 * EPSILON * float(run["events"][-1]),
+        "every event rounds both sums by a unit of the last place of their size, at worst all alike",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -28,10 +29,11 @@ from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Frame, Series
+from crosscheck.references import EPSILON
 from crosscheck.references.under_gravity import column_profile, fixed_energy, floor_layer, mean_compressibility
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Lattice, Output, RandomPhase, Scene
 from crosscheck.statistics import mean_of_stretches
-from crosscheck.verdict import Judged, Judgement, statistical, worst
+from crosscheck.verdict import Judged, Judgement, round_off, statistical, worst
 
 
 def _bed(seed: int) -> Scene:
@@ -137,6 +139,22 @@ def _bed_figures(scene: Scene, runs: list[Run], dense: Floats) -> tuple[Figure, 
     )
 
 
+def _constant_energy(runs: list[Run]) -> Judgement:
+    """The time integral of K + U of each run but the first, over E t, with E of the state that it starts from."""
+    defects = []
+    for before, run in itertools.pairwise(runs):
+        energy = 0.5 * float((before["final_velocities"] ** 2).sum()) + float(before["final_positions"][:, 1].sum())
+        integral = float(run["kinetic_energy_integral"][-1] + run["potential_energy_integral"][-1])
+        defects.append(abs(integral / (energy * float(run["time"][-1])) - 1))
+    events = max(float(run["events"][-1]) for run in runs)
+    return round_off(
+        "time integral of K + U over E t, less 1, E of the places and velocities at the start",
+        max(defects),
+        EPSILON * events,
+        f"one unit of the largest term at each of {events:.3g} events, at worst all alike",
+    )
+
+
 def _judge_column(laboratory: Laboratory) -> Judged:
     """K and U share the energy as their numbers of freedoms, 2N - 1 and 2N, times the non-ideal part of U."""
     number, width, warmth = 200, 20.0, 50.0
@@ -159,6 +177,7 @@ def _judge_column(laboratory: Laboratory) -> Judged:
     excess = mean_of_stretches((below - theory).mean(axis=1))
     judgements = [
         energy_budget(runs),
+        _constant_energy(runs),
         statistical(
             "<U>/<K> of an elastic column, exact integrals",
             ratio.value,

@@ -18,9 +18,9 @@ from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references.hard_spheres import Estimate, collision_rate, compressibility
-from crosscheck.scene import Box, HardSpheres, Lattice, Observable, Output, Scene
+from crosscheck.scene import Box, Floats, HardSpheres, Lattice, Observable, Output, Scene
 from crosscheck.statistics import independent_mean
-from crosscheck.verdict import Judged, statistical
+from crosscheck.verdict import Judged, Judgement, statistical, worst
 
 #: Contact times, and the number of initial states.
 DURATIONS = (0.08, 0.04, 0.02, 0.01)
@@ -84,59 +84,89 @@ QUANTITIES = {
 }
 
 
+class _Limit(NamedTuple):
+    """Values (durations,) of soft spheres with their errors, and the parabola through them, whose first is at 0.
+
+    expected, error: of the event-driven gas. at_zero: error of the parabola's value at 0.
+    """
+
+    values: list[float]
+    errors: list[float]
+    parabola: Floats
+    at_zero: float
+    expected: float
+    error: float
+
+
+def _limit(found: Floats, hard: Floats) -> _Limit:
+    """found: of soft spheres, (durations, states). hard: of hard spheres, (states,)."""
+    means = [independent_mean(values) for values in found]
+    values, errors = [mean for mean, _ in means], [error for _, error in means]
+    t, u = np.array(DURATIONS), np.array(errors)
+    powers = np.vander(t, 3, increasing=True)
+    covariance = np.linalg.inv(powers.T / u**2 @ powers)
+    parabola = covariance @ (powers.T / u**2 @ np.array(values))
+    return _Limit(values, errors, parabola, float(covariance[0, 0] ** 0.5), *independent_mean(hard))
+
+
+def _against_hard(name: str, limit: _Limit, needed: float, figures: tuple[Figure, ...] = ()) -> Judgement:
+    return statistical(
+        f"{name} of soft disks at t_c = 0",
+        float(limit.parabola[0]),
+        limit.at_zero,
+        limit.expected,
+        limit.error,
+        f"standard error over {REPLICAS} states, of the parabola's value at 0 and of the event-driven gas",
+        samples=REPLICAS,
+        needed=needed,
+        figures=figures,
+    )
+
+
 def _judge_limit(laboratory: Laboratory, quantity: _Quantity) -> Judged:
-    """A quantity of soft spheres at several t_c, by a parabola to t_c = 0, against the event-driven one."""
+    """A quantity of soft spheres at several t_c, by a parabola to t_c = 0, against the event-driven one.
+
+    So is the temperature, which the quantity is divided by.
+    """
     measure, gas = quantity.measure, _elastic_gas(quantity.walled)
     starts = [relaxed(laboratory, gas, f"state {i}", 5.0) for i in range(REPLICAS)]
     counted = Output(interval=gas.output.interval, observables=(*_MEASURED, "collisions"))
+
+    def both(run: Run, scene: Scene, duration: float) -> tuple[float, float]:
+        return measure(run, scene, duration), _thermal(run, scene.number)
+
     hard = []
     for start in starts:
         scene = start.changed(output=counted)
-        hard.append(measure(laboratory.run(scene, EVENT_DRIVEN, engine=REFERENCE), scene, math.nan))
-    values, errors = [], []
+        hard.append(both(laboratory.run(scene, EVENT_DRIVEN, engine=REFERENCE), scene, math.nan))
+    found = []
     for duration in DURATIONS:
         method = soft(duration=duration, resolution=2 * RESOLUTION)
-        found = [measure(laboratory.run(start, method), start, duration) for start in starts]
-        mean, error = independent_mean(found)
-        values.append(mean)
-        errors.append(error)
-    expected, u_expected = independent_mean(hard)
-    t, y, u = np.array(DURATIONS), np.array(values), np.array(errors)
-    powers = np.vander(t, 3, increasing=True)
-    covariance = np.linalg.inv(powers.T / u**2 @ powers)
-    parabola = covariance @ (powers.T / u**2 @ y)
-    limit, u_limit = float(parabola[0]), float(covariance[0, 0] ** 0.5)
+        found.append([both(laboratory.run(start, method), start, duration) for start in starts])
+    soft_values, hard_values = np.array(found), np.array(hard)
+    limit, thermal = (_limit(soft_values[:, :, i], hard_values[:, i]) for i in (0, 1))
     smooth = np.linspace(0.0, DURATIONS[0], 41)
     figure = Figure(
         f"Hard limit of the {quantity.name}",
         "t_c",
         quantity.name,
         series=(
-            Series(f"soft, {laboratory.engine}", list(DURATIONS), values, errors),
+            Series(f"soft, {laboratory.engine}", list(DURATIONS), limit.values, limit.errors),
             Series(
                 f"parabola, {laboratory.engine}",
                 smooth.tolist(),
-                np.polyval(parabola[::-1], smooth).tolist(),
+                np.polyval(limit.parabola[::-1], smooth).tolist(),
                 theory=True,
             ),
-            Series("event-driven", [0.0], [expected], [u_expected]),
+            Series("event-driven", [0.0], [limit.expected], [limit.error]),
         ),
     )
-    note = ", ".join(f"t_c {a:g}: {b:.4f}({c:.4f})" for a, b, c in zip(t, y, u, strict=True))
+    measured = zip(DURATIONS, limit.values, limit.errors, strict=True)
+    note = ", ".join(f"t_c {a:g}: {b:.4f}({c:.4f})" for a, b, c in measured)
     if quantity.theory is not None:
         note += f"; theory of an infinite system {quantity.theory(_PACKING, 2).value:.5g}"
-    return statistical(
-        f"{quantity.name} of soft disks at t_c = 0",
-        limit,
-        u_limit,
-        expected,
-        u_expected,
-        f"standard error over {REPLICAS} states, of the parabola's value at 0 and of the event-driven gas",
-        samples=REPLICAS,
-        needed=0.03,
-        note=note,
-        figures=(figure,),
-    )
+    judgements = [_against_hard(quantity.name, limit, 0.02, (figure,)), _against_hard("temperature", thermal, 0.02)]
+    return worst(judgements, note)
 
 
 _LATE = Fault(

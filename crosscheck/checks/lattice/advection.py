@@ -10,6 +10,7 @@ from crosscheck.checks.lattice.waves import (
     BY_MEMBERS,
     DENSITIES,
     MEMBERS,
+    amplitude_at_start,
     first_guess,
     measure_mode,
     transverse_momentum,
@@ -18,10 +19,10 @@ from crosscheck.checks.lattice.waves import (
 from crosscheck.engines.capabilities import Needs
 from crosscheck.figure import Figure, Series
 from crosscheck.references import lattice_gas as known
-from crosscheck.references.lattice_models import modes
+from crosscheck.references.lattice_models import VELOCITIES, modes
 from crosscheck.scene import Wave
 from crosscheck.statistics import independent_mean
-from crosscheck.verdict import Judged, statistical
+from crosscheck.verdict import Judged, statistical, worst
 
 
 def _judge(laboratory: Laboratory, state: State) -> Judged:
@@ -59,7 +60,7 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
             Series(f"{name}: theory", axis, [known.galilean_factor(name, d) for d in axis], theory=True),
         ),
     )
-    return statistical(
+    drift = statistical(
         "g = drift/(k U)",
         value,
         u,
@@ -68,9 +69,11 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
         f"{BY_MEMBERS}; Boltzmann at this k and U, the wave's amplitude squared for its own nonlinearity",
         samples=MEMBERS,
         doubt=amplitude**2,
-        note=f"U = {flow:g}; g(rho), as k and U go to 0, is {known.galilean_factor(name, density):.4f}",
         figures=(figure,),
     )
+    asked = VELOCITIES[name].channels * density * amplitude
+    note = f"U = {flow:g}; g(rho), as k and U go to 0, is {known.galilean_factor(name, density):.4f}"
+    return worst([amplitude_at_start(signals, asked, "shear wave in a flow"), drift], note)
 
 
 CHECKS = (

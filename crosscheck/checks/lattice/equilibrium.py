@@ -17,6 +17,7 @@ from crosscheck.checks.lattice.gases import (
     filled_channels,
     gas_scene,
     populations,
+    started,
 )
 from crosscheck.engines.capabilities import Needs
 from crosscheck.figure import Figure, Series
@@ -32,7 +33,8 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     velocities = VELOCITIES[name]
     size, stretches = 128, 64
     # the same mass and momentum, but another distribution: halfway to that with the fewest channels filled
-    start = filled_channels(away(name, equilibrium_start(name, density, (0.2, 0.1))), laboratory.seed())
+    asked = away(name, equilibrium_start(name, density, (0.2, 0.1)))
+    start = filled_channels(asked, laboratory.seed())
     scene = gas_scene(
         "relaxation", name, size, size, 200 + 50 * stretches, start, Output(interval=50, observables=("populations",))
     )
@@ -81,7 +83,8 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
         ),
     )
     expansion = low_speed_equilibrium(name, rho / velocities.channels, velocity)
-    return worst(judgements, f"the expansion to u^2 is off by {np.abs(expansion - expected).max():.2g}", (figure,))
+    judged: list[Judged] = [*judgements, started(counts[0], asked, name, size**2)]
+    return worst(judged, f"the expansion to u^2 is off by {np.abs(expansion - expected).max():.2g}", (figure,))
 
 
 CHECKS = (

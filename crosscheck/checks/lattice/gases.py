@@ -24,6 +24,7 @@ from crosscheck.errors import Unsupported
 from crosscheck.faults import Fault
 from crosscheck.references.lattice_models import MODELS, VELOCITIES
 from crosscheck.scene import Floats, LatticeGas, Method, Occupations, Output, Scene
+from crosscheck.verdict import Findings, controls, statistical, worst
 from refimpl.lattice import models, theory
 
 #: A method by its kind: the engine's own first scheme that moves a lattice gas.
@@ -119,6 +120,33 @@ def boltzmann_method(laboratory: Laboratory) -> Method:
 
 
 # -- starting states -------------------------------------------------------------------------------------
+
+
+def started(found: ArrayLike, asked: ArrayLike, model: str, sites: int) -> Findings:
+    """Controls: mass and momentum a site at the start, which later numbers are divided by, are those asked for.
+
+    found: populations a site, (b,). asked: mean occupations, (b,), of channels that are filled independently. model:
+    name of the gas. sites: their number.
+    """
+    c = VELOCITIES[model].cartesian
+    counts, f = np.asarray(found, dtype=np.float64), np.asarray(asked, dtype=np.float64)
+    weights = {"particles": np.ones(len(c)), "momentum along x": c[:, 0], "momentum along y": c[:, 1]}
+    return controls(
+        worst(
+            [
+                statistical(
+                    f"{label} a site at the start",
+                    float(counts @ w),
+                    float((w**2 @ (f * (1 - f)) / sites) ** 0.5),
+                    float(f @ w),
+                    0.0,
+                    "standard error of independent channels",
+                    samples=sites,
+                )
+                for label, w in weights.items()
+            ]
+        )
+    )
 
 
 def equilibrium_start(model: str, density: float, velocity: ArrayLike) -> Floats:

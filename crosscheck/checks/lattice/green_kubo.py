@@ -75,6 +75,24 @@ def fluctuations(laboratory: Laboratory, name: str, density: float, weights: lis
     return Fluctuations(float(np.mean(densities)), first, sums, ratio)
 
 
+def equal_times(found: Fluctuations, label: str) -> Judgement:
+    """C(0) is that of independent channels, by which all of C is divided.
+
+    found: measured in gases at rest. label: of the moment, in words.
+    """
+    value, u = independent_mean(found.first[:, 0])
+    return statistical(
+        f"{label}: C(0) of the stress over that of independent channels",
+        value,
+        u,
+        1.0,
+        0.0,
+        f"{BY_MEMBERS}; exact in equilibrium",
+        samples=MEMBERS,
+        needed=0.1,
+    )
+
+
 def first_step(name: str, found: Fluctuations, weights: Floats, label: str) -> Judgement:
     """C(1)/C(0) = 1 - lambda, exactly: before the first collision the channels of a gas at rest are independent.
 

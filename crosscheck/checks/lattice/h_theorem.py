@@ -18,6 +18,7 @@ from crosscheck.checks.lattice.gases import (
     filled_channels,
     gas_scene,
     populations,
+    started,
 )
 from crosscheck.engines.capabilities import Needs
 from crosscheck.figure import Figure, Series
@@ -94,7 +95,7 @@ def _of_ensemble(laboratory: Laboratory, name: str) -> Judged:
     size, steps, members = 512, 30, 16
     velocities = VELOCITIES[name]
     f = away(name, equilibrium_start(name, 0.3, (0.1, 0.05)))
-    first, rises, ends, falls = [], [], [], []
+    first, rises, ends, falls, starts = [], [], [], [], []
     for member in range(members):
         start = filled_channels(f, laboratory.seed(str(member)))
         scene = gas_scene("ensemble", name, size, size, steps, start, Output(interval=1, observables=("populations",)))
@@ -104,6 +105,7 @@ def _of_ensemble(laboratory: Laboratory, name: str) -> Judged:
         rho = counts[0].sum()
         # refimpl's, as scenes use it: it is part of what is measured; tests compare it with the references'
         last = equilibrium_start(name, rho / velocities.channels, counts[0] @ velocities.cartesian / rho)
+        starts.append(counts[0])
         first.append((h[0] - h[1]) - float(h[0] - entropy_density(after)))
         rises.append(np.diff(h))
         ends.append(h[-1] - float(entropy_density(last)))
@@ -112,7 +114,8 @@ def _of_ensemble(laboratory: Laboratory, name: str) -> Judged:
     mean, error = independent_mean(first)
     end, end_error = independent_mean(ends)
     floor = velocities.channels / size**2
-    judgements = [
+    judgements: list[Judged] = [
+        started(np.mean(starts, axis=0), f, name, members * size**2),
         statistical(
             "fall of H in the first step, less that of the Boltzmann equation, per site",
             mean,

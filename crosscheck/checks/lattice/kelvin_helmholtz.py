@@ -92,7 +92,17 @@ def _judge(laboratory: Laboratory, layers: _Layers) -> Judged:
     theory = _rate(times[window], expected[window])
     inviscid = largest_growth(g * speed, WIDTH)
     mach = speed / known.SOUND_SPEED[MODEL]
+    begun, begun_error = independent_mean(shares[:, 0])
     judgements = [
+        statistical(
+            "amplitude of the wave at the start, over that asked for",
+            begun,
+            begun_error,
+            1.0,
+            0.0,
+            f"standard error of {MEMBERS} gases, filled in local equilibrium",
+            samples=MEMBERS,
+        ),
         statistical(
             "growth rate",
             rate,

@@ -15,6 +15,7 @@ from crosscheck.checks.lattice.gases import (
     filled,
     gas_scene,
     populations,
+    started,
 )
 from crosscheck.engines.capabilities import Needs
 from crosscheck.figure import Figure, Series
@@ -22,13 +23,16 @@ from crosscheck.references import EPSILON
 from crosscheck.references.lattice_models import MODELS, VELOCITIES, fermi_dirac, momentum_flux
 from crosscheck.scene import Floats, Output
 from crosscheck.statistics import correlated_mean
-from crosscheck.verdict import Judged, Judgement, round_off, statistical, worst
+from crosscheck.verdict import Findings, Judged, Judgement, round_off, statistical, worst
 
 SIZE, SAMPLES, SPEED = 1024, 60, 0.2
 
 
-def _flow(laboratory: Laboratory, state: State, angle: float) -> tuple[Floats, Floats]:
-    """(P_xx - P_yy, P_xy) over rho u^2 of a flow at this angle, measured (2, samples) and at equilibrium (2,)."""
+def _flow(laboratory: Laboratory, state: State, angle: float) -> tuple[Floats, Floats, Findings]:
+    """(P_xx - P_yy, P_xy) over rho u^2 of a flow at this angle, measured (2, samples) and at equilibrium (2,).
+
+    Also: whether the gas has at the start the rho and u that both are divided by.
+    """
     name, density = state
     u = (SPEED * math.cos(angle), SPEED * math.sin(angle))
     start = filled(density, laboratory.seed(f"{angle:.3f}"), velocity_x=u[0], velocity_y=u[1])
@@ -42,7 +46,7 @@ def _flow(laboratory: Laboratory, state: State, angle: float) -> tuple[Floats, F
     measured, expected = (
         np.stack([(p[..., 0, 0] - p[..., 1, 1]) / scale, p[..., 0, 1] / scale]) for p in (flux, exact)
     )
-    return measured, expected
+    return measured, expected, started(counts[0], fermi_dirac(name, density, u), name, SIZE**2)
 
 
 def _against(label: str, values: Floats, expected: float) -> Judgement:
@@ -66,13 +70,14 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     of HPP P_xy = 0, and g_HPP = 2 G(rho) = 2 (2 - rho)/(4 - rho).
     """
     angles = np.radians([0.0, 15.0, 30.0, 45.0])
-    judgements, differences, theory = [], [], []
+    judgements: list[Judged] = []
+    differences, theory = [], []
     for angle in angles.tolist():
-        (normal, shear), expected = _flow(laboratory, state, angle)
+        (normal, shear), expected, start = _flow(laboratory, state, angle)
         direction = f"at {math.degrees(angle):.0f} deg"
         differences.append(_against(f"P_xx - P_yy {direction}, over rho u^2", normal, float(expected[0])))
         theory.append(float(expected[0]))
-        judgements.append(differences[-1])
+        judgements += [start, differences[-1]]
         if state.model == "hpp":
             judgements.append(round_off(f"P_xy of HPP {direction}", float(np.abs(shear).max()), EPSILON, "c_x c_y = 0"))
         else:

@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from crosscheck.checks.base import Check, Laboratory
 from crosscheck.checks.lattice.gases import FHP, ISOTROPIC, LATTICE, State, at_densities
-from crosscheck.checks.lattice.green_kubo import against_green_kubo, first_step, fluctuations
-from crosscheck.checks.lattice.waves import DENSITIES, density_figure, shear_wave_viscosities, wavenumber
+from crosscheck.checks.lattice.green_kubo import against_green_kubo, equal_times, first_step, fluctuations
+from crosscheck.checks.lattice.waves import (
+    DENSITIES,
+    SHEAR,
+    amplitude_at_start,
+    density_figure,
+    shear_waves,
+    viscosities,
+    wavenumber,
+)
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.references import lattice_gas as known
@@ -20,7 +28,8 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     rows = 256 if theory > 0.3 else 128
     k = wavenumber(name, rows)
     at_k = modes(name, density, (0.0, k)).shear_decay
-    measured = shear_wave_viscosities(laboratory, name, density, rows)
+    signals = shear_waves(laboratory, name, density, rows)
+    measured = viscosities(signals, name, density, rows)
     c = VELOCITIES[name].cartesian
     stresses = [c[:, 0] * c[:, 1], (c[:, 0] ** 2 - c[:, 1] ** 2) / 2]
     rest = fluctuations(laboratory, name, density, stresses, rows)
@@ -28,7 +37,13 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     figure = density_figure(
         "Shear viscosity over density", "nu", name, density, measured, lambda d: known.shear_viscosity(name, d)
     )
-    return worst([first_step(name, rest, stresses[0], "shear"), wave], f"{note}; {rows} rows, u0 = 0.1", (figure,))
+    judgements = [
+        amplitude_at_start(signals, VELOCITIES[name].channels * density * SHEAR, "shear wave"),
+        equal_times(rest, "shear"),
+        first_step(name, rest, stresses[0], "shear"),
+        wave,
+    ]
+    return worst(judgements, f"{note}; {rows} rows, u0 = {SHEAR:g}", (figure,))
 
 
 CHECKS = (

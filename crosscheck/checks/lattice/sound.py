@@ -9,12 +9,13 @@ import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory
 from crosscheck.checks.lattice.gases import FHP, LATTICE, NO_COLLISIONS, State, at_densities
-from crosscheck.checks.lattice.green_kubo import against_green_kubo, first_step, fluctuations
+from crosscheck.checks.lattice.green_kubo import against_green_kubo, equal_times, first_step, fluctuations
 from crosscheck.checks.lattice.waves import (
     BY_MEMBERS,
     DENSITIES,
     MEMBERS,
     Signals,
+    amplitude_at_start,
     density_figure,
     first_guess,
     mass,
@@ -59,7 +60,7 @@ def _judge_speed(laboratory: Laboratory, state: State) -> Judged:
     name, density = state
     deviations, speeds = [], []
     for rows in (256, 512):
-        k, fits, _ = _sound(laboratory, state, 0.05, rows, 1024, 6 * rows)
+        k, fits, signals = _sound(laboratory, state, 0.05, rows, 1024, 6 * rows)
         value, u = independent_mean(fits[:, 1] / k)
         expected = modes(name, density, (0.0, k)).sound_frequency / k
         speeds.append((value, u, expected))
@@ -80,7 +81,7 @@ def _judge_speed(laboratory: Laboratory, state: State) -> Judged:
             ),
         ),
     )
-    return statistical(
+    speed = statistical(
         "c = omega/k",
         value,
         u,
@@ -90,9 +91,11 @@ def _judge_speed(laboratory: Laboratory, state: State) -> Judged:
         samples=MEMBERS,
         doubt=left,
         needed=None if name == "hpp" else 0.02,
-        note=f"c_s {known.SOUND_SPEED[name]:.5f}; 256 rows: {speeds[0][0]:.5f}({speeds[0][1]:.1g})",
         figures=figures,
     )
+    asked = 0.05 * density * VELOCITIES[name].channels
+    note = f"c_s {known.SOUND_SPEED[name]:.5f}; 256 rows: {speeds[0][0]:.5f}({speeds[0][1]:.1g})"
+    return worst([amplitude_at_start(signals, asked, "sound on 512 rows"), speed], note)
 
 
 def _judge_attenuation(laboratory: Laboratory, state: State) -> Judged:
@@ -110,7 +113,7 @@ def _judge_attenuation(laboratory: Laboratory, state: State) -> Judged:
     at_k = modes(name, density, (0.0, k)).sound_damping
     omega = float(fits[:, 1].mean())
     wave, note = against_green_kubo("nu + zeta/rho", measured, (2 * at_k / k**2, theory), rest, 2 * at_k, omega)
-    judgements = [wave]
+    judgements = [equal_times(rest, "sound"), wave]
     if not velocities.rest:  # with a rest particle two rates mix in this moment
         judgements.append(first_step(name, rest, weights, "sound"))
     figures = [

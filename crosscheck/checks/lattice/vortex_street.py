@@ -120,8 +120,8 @@ def _judgements(wake: _Wake, g: float) -> list[Judgement]:
             strouhal * error,
             expected.value,
             0.0,
-            f"standard error of {turns} half turns of the phase; 0.14 ... 0.18 of normal plates, up to 1/(1 - blockage) "
-            "times as much in a row of them; one of the speed u in place of g u must be seen",
+            f"standard error of {turns} half turns of the phase; 0.14 ... 0.18 of normal plates, up to 1/(1 - "
+            "blockage) times as much in a row of them; one of the speed u in place of g u must be seen",
             samples=turns,
             doubt=expected.doubt,
             needed=0.4,

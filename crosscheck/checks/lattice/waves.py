@@ -17,11 +17,14 @@ from crosscheck.figure import Figure, Series
 from crosscheck.references.lattice_models import VELOCITIES
 from crosscheck.scene import Floats, Method, Output, Wave
 from crosscheck.statistics import independent_mean
+from crosscheck.verdict import Judgement, statistical
 from refimpl.lattice import models, theory
 
 DENSITIES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 #: Gases of one state, prepared and moved with different random numbers.
 MEMBERS = 16
+#: Velocity of shear waves at the start, links per step.
+SHEAR = 0.1
 BY_MEMBERS = f"standard error of {MEMBERS} gases"
 
 
@@ -73,6 +76,23 @@ def measure_mode(
         counts = populations(laboratory.run(scene, method))[:, 0]
         found.append(counts @ quantity @ phases * 2 / (rows * columns))
     return Signals(np.arange(0, steps + 1, every), np.array(found))
+
+
+def amplitude_at_start(signals: Signals, asked: float, label: str) -> Judgement:
+    """The amplitude that the waves start with, which fits of rates divide by, is that asked for.
+
+    signals: of the gases. asked: sum_i quantity_i n_i a site of the wave. label: of the wave, in words.
+    """
+    value, error = independent_mean(signals.values[:, 0].real)
+    return statistical(
+        f"{label}: amplitude at the start, over that asked for",
+        value / asked,
+        error / asked,
+        1.0,
+        0.0,
+        f"standard error of {len(signals.values)} gases, filled in local equilibrium",
+        samples=len(signals.values),
+    )
 
 
 def mass(model: str) -> Floats:
@@ -130,26 +150,39 @@ def first_guess(model: str, density: float, wavevector: ArrayLike, flow: float =
     return theory.modes(models.MODELS[model], density, wavevector, (0.0, flow))
 
 
-def shear_wave_viscosities(laboratory: Laboratory, name: str, density: float, rows: int) -> list[float]:
-    """nu (links^2 per step) of each gas from the decay of its shear wave, one wavelength on these rows, u0 = 0.1.
+def shear_waves(laboratory: Laboratory, name: str, density: float, rows: int) -> Signals:
+    """Momentum of shear waves as they decay, one wavelength on these rows, u0 = `SHEAR`.
 
     laboratory: runs the gases. name: of the model. density: d.
     """
-    k = wavenumber(name, rows)
-    rate = first_guess(name, density, (0.0, k)).shear_decay
+    rate = first_guess(name, density, (0.0, wavenumber(name, rows))).shear_decay
     steps = int(min(1.5 / rate, 6000))
-    signals = measure_mode(
+    return measure_mode(
         laboratory,
         name,
         density,
-        (Wave(of="velocity_x", amplitude=0.1, mode=(0.0, 1.0)),),
+        (Wave(of="velocity_x", amplitude=SHEAR, mode=(0.0, 1.0)),),
         transverse_momentum(name),
         rows=rows,
         columns=131072 // rows,
         steps=steps,
         every=max(1, steps // 60),
     )
+
+
+def viscosities(signals: Signals, name: str, density: float, rows: int) -> list[float]:
+    """nu (links^2 per step) of each gas from the decay of `shear_waves`; arguments: those of them."""
+    k = wavenumber(name, rows)
+    rate = first_guess(name, density, (0.0, k)).shear_decay
     return [decay_rate(signals.times, s, rate) / k**2 for s in signals.values]
+
+
+def shear_wave_viscosities(laboratory: Laboratory, name: str, density: float, rows: int) -> list[float]:
+    """nu (links^2 per step) of each gas from the decay of its shear wave, one wavelength on these rows, u0 = `SHEAR`.
+
+    laboratory: runs the gases. name: of the model. density: d.
+    """
+    return viscosities(shear_waves(laboratory, name, density, rows), name, density, rows)
 
 
 def density_figure(

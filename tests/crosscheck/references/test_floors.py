@@ -119,7 +119,7 @@ def test_first_impacts_follow_the_flux_law(u: float) -> None:
 def test_visits_gain_more_than_single_impacts() -> None:
     for u, expected in ((0.25, 1.667), (0.5, 2.060), (1.5, 2.140)):
         gain = floors.visit_gain(u, phases=800)
-        assert abs(gain.value - expected) < gain.uncertainty
+        assert abs(gain.value - expected) < gain.doubt
         assert gain.value > floors.flux_phase_gain(u, 1.0) + 0.05
         assert gain.value > floors.uniform_phase_gain(u, 1.0) + 0.5
 

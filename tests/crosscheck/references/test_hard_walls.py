@@ -85,8 +85,8 @@ def test_box_of_disks_against_event_driven_runs(number: int, eta: float, pressur
     length = (number * np.pi / 4 / eta) ** 0.5
     found = hard_walls.disk_box_pressure(number, length)
     ideal = number / length**2
-    assert abs(found.value / ideal - pressure) < found.uncertainty / ideal + 2 * error
-    assert abs(hs.disk_compressibility(eta).value - pressure) > 5 * found.uncertainty / ideal
+    assert abs(found.value / ideal - pressure) < found.doubt / ideal + 2 * error
+    assert abs(hs.disk_compressibility(eta).value - pressure) > 5 * found.doubt / ideal
 
 
 def test_impulse_of_a_hit_is_pressure_over_rate_of_hits() -> None:
