@@ -31,6 +31,7 @@ FLOORS = (
     ("crosscheck.engines",),
     ("crosscheck.checks",),
     ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner", "crosscheck.status"),
+    ("crosscheck.mutation",),
     ("crosscheck.painter", "crosscheck.report"),
     ("crosscheck.simulate", "crosscheck.documents"),
     ("crosscheck.commands",),
