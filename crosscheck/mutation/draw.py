@@ -113,7 +113,8 @@ def population(name: str, patterns: Sequence[str] = ()) -> Population:
 
 def _matches(pattern: str, path: str) -> bool:
     pattern = pattern.strip("/")
-    return any(fnmatchcase(path, one) for one in (pattern, f"{pattern}.py", f"{pattern}/*", f"*/{pattern}.py"))
+    forms = (pattern, f"{pattern}.py", f"{pattern}/*", f"*/{pattern}.py", f"*/{pattern}/*")
+    return any(fnmatchcase(path, form) for form in forms)
 
 
 def draw(among: Population, number: int, seed: int) -> list[Mutant]:

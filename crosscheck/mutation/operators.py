@@ -313,7 +313,8 @@ _SEARCHES = re.compile(r"predict|neighbour|pairs|search|around|fill|visit|extent
 def _larger_size(source: Source, site: Site) -> Iterator[Change]:
     """A capacity, skin or size of cells that is 1.5 or 2 times as large."""
     value = _number(site.node)
-    if not value or site.in_index:
+    power = isinstance(site.parents[0], ast.BinOp) and isinstance(site.parents[0].op, ast.Pow | ast.Mod | ast.BitAnd)
+    if not value or site.in_index or power:
         return
     around = next((one for one in site.parents if isinstance(one, ast.stmt | ast.keyword)), None)
     names: list[str] = []
