@@ -141,16 +141,39 @@ def run(
 def prove(
     checks: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
     jobs: Annotated[Optional[int], typer.Option(min=1, help="Faults at a time. Default: one per core.")] = None,  # noqa: UP045
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the suite.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the suite; with --mutate, that of the draw.")] = 0,
     time_limit: TimeLimit = TIME_LIMIT,
+    mutants: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(
+            "--mutate", min=1, metavar="N", help="Draw N random mutations of the sources in place of the faults."
+        ),
+    ] = None,
+    tier: Annotated[str, typer.Option(help="With --mutate: the cases that judge, quick or full.")] = "quick",
+    modules: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--module", help="With --mutate: shell pattern of files or folders to mutate. Repeatable."),
+    ] = None,
+    population: Annotated[
+        str, typer.Option(help="With --mutate: refimpl, adapters (of the engines) or performance (cost alone).")
+    ] = "refimpl",
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="With --mutate: directory for the mutants and the score.")
+    ] = Path("crosscheck-mutants"),
+    resume: Annotated[Path | None, typer.Option(help="With --mutate: complete the sample in this directory.")] = None,
 ) -> None:
     """Run checks with their planted faults in a copy of refimpl: each must turn its check red.
 
-    Exit status: 0 if all do, 1 if not, 2 bad usage or input.
+    With --mutate: random mutations, each judged by the cases of these checks that execute it; the share that is caught.
+
+    Exit status: 0 if all faults are seen, or the sample is complete, 1 if not, 2 bad usage or input.
     """
     from crosscheck import commands
 
-    raise typer.Exit(interruptible(lambda: commands.prove(checks or [], jobs, seed, time_limit)))
+    if mutants is None:
+        raise typer.Exit(interruptible(lambda: commands.prove(checks or [], jobs, seed, time_limit)))
+    sample = commands.Sample(mutants, seed, tier, tuple(checks or ()), tuple(modules or ()), population)
+    raise typer.Exit(interruptible(lambda: commands.mutate(sample, jobs, out, resume)))
 
 
 @app.command()

@@ -150,16 +150,23 @@ def close_pools() -> None:
 def judge(
     case: Case, seed: int, overlay: Path | None = None, time_limit: float = TIME_LIMIT, repeat: bool = True
 ) -> Verdict:
+    """The verdict of one case, with this thread's workers.
+
+    case, seed, repeat: as in `judge_with`. overlay: a directory with a copy of `refimpl` with a planted fault; None:
+    the installed one. time_limit: seconds that one run of an engine may take.
+    """
+    return judge_with(_pool(overlay, time_limit), case, seed, repeat)
+
+
+def judge_with(pool: Pool, case: Case, seed: int, repeat: bool = True) -> Verdict:
     """The verdict of one case.
 
     A case in which statistical judgements alone are red runs again with other random numbers: see `verdict.again`.
     Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, "fail" if it ended a run early
-    that the check needs whole, else "error". case: what to run. seed: the suite's seed. overlay: a directory with a
-    copy of `refimpl` with a planted fault; None: the installed one. time_limit: seconds that one run of an engine may
-    take. repeat: what is suspicious runs again; else it is red.
+    that the check needs whole, else "error". pool: the workers. case: what to run. seed: the suite's seed. repeat:
+    what is suspicious runs again; else it is red.
     """
     check = find(case.check)
-    pool = _pool(overlay, time_limit)
     schemes = engine_class(case.engine).schemes
     laboratory = Laboratory(case.engine, schemes, pool, case.name, seed, interpreted=check.interpreted)
     repeated = replace(laboratory, case=f"{case.name}/again")  # the same sum of costs

@@ -7,7 +7,7 @@ with a planted fault. It is found by being there.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
@@ -17,6 +17,7 @@ from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EndedEarly, EngineError, Unsupported
 from crosscheck.faults import Fault
+from crosscheck.pairs import Pair, Row
 from crosscheck.scene import Contact, Method, Scene
 from crosscheck.verdict import Judged
 
@@ -41,6 +42,18 @@ class Variant:
 
 #: The variants of a check; or, where they are schemes, a function of those that the engine has.
 Variants = tuple[Variant, ...] | Callable[[Mapping[str, Claims]], Iterable[Variant]]
+
+
+@dataclass(frozen=True)
+class FeatureRows:
+    """Features that a check combines, and in which rows: for the table of what is judged together.
+
+    factors: the levels of each feature, the first one its absence. rows: returns the rows that the check judges, all
+    factors in each, and the pairs of levels that no scene has.
+    """
+
+    factors: Mapping[str, Sequence[str]]
+    rows: Callable[[], tuple[list[Row], set[Pair]]]
 
 
 @dataclass
@@ -117,7 +130,8 @@ class Check:
     needs: what an engine must declare to be judged, own or foreign; several: all of them. faults: (variant, planted bug
     of `refimpl` that must turn it red). reference: engines, one or several, that this check compares with, and
     therefore does not judge. timing: run alone, nothing else beside it. interpreted: its scenes are so small that
-    compiling would take longer than running: an engine that promises `interpretable` runs as plain Python.
+    compiling would take longer than running: an engine that promises `interpretable` runs as plain Python. features:
+    those of which it judges all pairs; None: none.
     """
 
     name: str
@@ -132,6 +146,7 @@ class Check:
     reference: str | tuple[str, ...] | None = None
     timing: bool = False
     interpreted: bool = False
+    features: FeatureRows | None = None
 
     @property
     def all_needs(self) -> tuple[Needs, ...]:

@@ -2,8 +2,11 @@
 
 from crosscheck.commands.calibrating import calibrate
 from crosscheck.commands.listing import engines, list_checks, report, show
+from crosscheck.commands.mutating import Sample, mutate
 from crosscheck.commands.proving import prove
 from crosscheck.commands.running import run
 from crosscheck.commands.simulating import simulate
 
-__all__ = ["calibrate", "engines", "list_checks", "prove", "report", "run", "show", "simulate"]
+__all__ = [
+    "Sample", "calibrate", "engines", "list_checks", "mutate", "prove", "report", "run", "show", "simulate",
+]  # fmt: skip

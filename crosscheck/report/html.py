@@ -22,6 +22,7 @@ from crosscheck.errors import UsageError
 from crosscheck.files import naming
 from crosscheck.record import Line, case_name, deciding, read, shown
 from crosscheck.report import figures, numbers, pictures
+from crosscheck.report.catches import scores, together
 from crosscheck.runner import select
 from crosscheck.status import false_alarms
 from crosscheck.text import printable
@@ -191,6 +192,8 @@ def render(lines: list[Line], title: str) -> str:
         groups=_table(lines, lambda line: line["check"].partition("/")[0], str),
         skips=_skips(by_outcome["skip"]),
         precision=precision,
+        scores=scores(),
+        together=together({one.check.name: one.check for one in sections if one.check is not None}.values()),
         sections=others,
         contents=_by_group(others),
         origins=_origins(lines),

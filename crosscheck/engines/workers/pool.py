@@ -80,6 +80,11 @@ class Worker:
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         return self._checked(lambda reply: border.reason(reply["reason"]), {"call": "supports", **texts})
 
+    def lines(self) -> dict[str, list[int]]:
+        """The lines executed since the last call, by file, of a worker that records, see `workers.recording`."""
+        alive = self._process is not None and self._process.poll() is None
+        return self._checked(lambda reply: dict(reply["lines"]), {"call": "lines"}) if alive else {}
+
     def run(
         self,
         scene: Scene,
@@ -299,13 +304,14 @@ def _environment(overlay: Path | None, interpreted: bool) -> dict[str, str]:
 class Pool:
     """The workers of one thread, one per engine; two for an engine that may be interpreted.
 
-    overlay: see `Worker`; only `refimpl` gets it. time_limit: seconds that one call may take.
+    overlay: see `Worker`; only `refimpl` gets it. time_limit: seconds that one call may take; it
+    may change, for the next calls of `worker`.
     """
 
     def __init__(self, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> None:
         self._workers: dict[tuple[str, bool], Worker] = {}
         self._overlay = overlay
-        self._time_limit = time_limit
+        self.time_limit = time_limit
 
     def worker(self, engine: str, interpreted: bool = False) -> Worker:
         """The worker of this engine (a name, or path.py:Class), the same one at every call.
@@ -315,8 +321,17 @@ class Pool:
         key = (engine, interpreted)
         if key not in self._workers:
             overlay = self._overlay if engine == "refimpl" else None
-            self._workers[key] = Worker(engine, overlay, self._time_limit, interpreted=interpreted)
+            self._workers[key] = Worker(engine, overlay, self.time_limit, interpreted=interpreted)
+        self._workers[key].time_limit = self.time_limit
         return self._workers[key]
+
+    def lines(self) -> dict[str, list[int]]:
+        """The lines that all workers executed since the last call, by file, see `Worker.lines`."""
+        found: dict[str, set[int]] = {}
+        for worker in self._workers.values():
+            for file, lines in worker.lines().items():
+                found.setdefault(file, set()).update(lines)
+        return {file: sorted(lines) for file, lines in found.items()}
 
     def close(self) -> None:
         """Ends all workers."""

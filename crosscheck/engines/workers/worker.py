@@ -22,7 +22,7 @@ from crosscheck.engines.protocol import Claims, Engine, Restartable, Run
 from crosscheck.engines.registry import load_class
 from crosscheck.engines.sizes import refuse_large_run
 from crosscheck.engines.soft_spheres import resolved
-from crosscheck.engines.workers import border
+from crosscheck.engines.workers import border, recording
 from crosscheck.engines.workers.states import read_arrays
 from crosscheck.errors import UsageError
 from crosscheck.scene import Floats, Method, Scene
@@ -143,12 +143,15 @@ class Server:
         self._class: type[Engine] | None = None
         self._declarations: dict[str, Any] | None = None
         self._engine: Engine | None = None
+        self._recorder = recording.recorder()
 
     def reply(self, request: dict[str, Any]) -> dict[str, Any]:
         """What `answer` gives, or "usage", "missing" or "error" with a text; SystemExit passes through.
 
-        request: as for `answer`; "call" may also be "declarations".
+        request: as for `answer`; "call" may also be "declarations", or "lines": those executed since it was last asked.
         """
+        if request["call"] == "lines":
+            return {"lines": self._recorder.take() if self._recorder else {}}
         try:
             if self._declarations is None:
                 self._class = load_class(self._name)

@@ -1,0 +1,157 @@
+"""A trial: one mutant before the cases that execute what is mutated, the cheapest first, until one of them is red."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from crosscheck.engines.workers.ending import ending
+from crosscheck.mutation.coverage import Executed
+from crosscheck.mutation.draw import Mutant
+from crosscheck.mutation.judge import Judge
+
+#: Compiled cases that one mutant is shown to: each compiles its kernels anew.
+MOST_COMPILED = 5
+#: A case that takes so many times as long as usual, and so many seconds more, hangs; compiled ones compile first.
+_TIMES_AS_LONG, _SECONDS_MORE, _SECONDS_TO_COMPILE = 10.0, 5.0, 120.0
+_PREFIX = "crosscheck-mutant-"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a mutant.
+
+    caught: whether a case was red. by: the name of that case, and the engine. why: its message. judged: the number of
+    cases that it was shown to. left: the number of compiled cases that execute the mutation, and that it was not shown
+    to. seconds: that it took.
+    """
+
+    caught: bool
+    by: str
+    why: str
+    judged: int
+    left: int
+    seconds: float
+
+
+def try_mutant(mutant: Mutant, executed: Sequence[Executed], seed: int) -> Outcome | None:
+    """The outcome for one mutant; None if the suite was asked to end meanwhile.
+
+    A verdict "fail" or "error" catches it: so does a crash, and a case that takes more than ten times as long as usual
+    and 5 s (compiled ones: 120 s more). "inconclusive" and "skip" do not. executed: of all cases that are green for the
+    unchanged sources. seed: of the suite.
+    """
+    cases, left = to_be_judged(mutant, executed)
+    seconds = 0.0
+    with (
+        overlay(mutant) as directory,
+        Judge(directory, directory / "caches" if mutant.package == "refimpl" else None) as judge,
+    ):
+        for number, one in enumerate(cases, 1):
+            limit = _TIMES_AS_LONG * one.seconds + _SECONDS_MORE + (0.0 if one.interpreted else _SECONDS_TO_COMPILE)
+            answer = judge.judge(one.case, seed, limit)
+            if ending():
+                return None
+            seconds += answer.seconds
+            if answer.red:
+                return Outcome(True, f"{one.case.name} [{one.case.engine}]", answer.message, number, left, seconds)
+    return Outcome(False, "", "", len(cases), left, seconds)
+
+
+def to_be_judged(mutant: Mutant, executed: Sequence[Executed]) -> tuple[list[Executed], int]:
+    """The cases that a mutant is shown to, in this order, and the number of compiled ones that are left out.
+
+    All interpreted ones that execute it, and some compiled ones: at first the cheapest of each check. executed: of all
+    cases.
+    """
+    found = [one for one in executed if _executes(mutant, one)]
+    interpreted = sorted((one for one in found if one.interpreted), key=lambda one: one.seconds)
+    compiled = _by_turns(sorted((one for one in found if not one.interpreted), key=lambda one: one.seconds))
+    return interpreted + compiled[:MOST_COMPILED], max(0, len(compiled) - MOST_COMPILED)
+
+
+def _by_turns(cases: list[Executed]) -> list[Executed]:
+    """The first of each check, then the second of each, and so on."""
+    turns: dict[str, int] = {}
+    numbered = []
+    for one in cases:
+        turns[one.case.check] = turns.get(one.case.check, 0) + 1
+        numbered.append((turns[one.case.check], one))
+    return [one for _, one in sorted(numbered, key=lambda pair: pair[0])]
+
+
+def _executes(mutant: Mutant, one: Executed) -> bool:
+    """Whether a case executes the mutated statement; of a constant of the module, a line of the package with its name.
+
+    A statement of a class without a name, or of a module, counts as executed with any line of its file.
+    """
+    file, mutation = f"{mutant.package}/{mutant.file}", mutant.mutation
+    if mutation.binds is None:
+        return one.executes(file, mutation.first, mutation.last)
+    if one.executes(file, mutation.first, mutation.last):  # a default value, of a function that is called
+        return True
+    users = _lines_with(mutant.package, mutation.binds)
+    if not users:
+        return file in one.lines
+    return any(one.lines.get(name, frozenset()) & lines for name, lines in users.items())
+
+
+@cache
+def _lines_with(package: str, names: tuple[str, ...]) -> dict[str, frozenset[int]]:
+    """The lines of a package in which one of the names occurs, by path."""
+    import importlib
+
+    if not names:
+        return {}
+    root = Path(importlib.import_module(package).__path__[0])
+    word = re.compile(rf"\b({'|'.join(re.escape(name) for name in names)})\b")
+    found = {}
+    for file in root.rglob("*.py"):
+        lines = file.read_text(encoding="utf-8").splitlines()
+        numbers = frozenset(number for number, line in enumerate(lines, 1) if word.search(line))
+        if numbers:
+            found[file.relative_to(root.parent).as_posix()] = numbers
+    return found
+
+
+class overlay:
+    """A directory with a copy of the mutant's package in which it is mutated; removed at the end.
+
+    mutant: which. Its name holds the number of this process, see `remove_leftovers`.
+    """
+
+    def __init__(self, mutant: Mutant) -> None:
+        self._mutant = mutant
+        self._directory = Path()
+
+    def __enter__(self) -> Path:
+        import importlib
+
+        mutant = self._mutant
+        self._directory = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
+        root = Path(importlib.import_module(mutant.package).__path__[0])
+        shutil.copytree(root, self._directory / mutant.package)  # with the bytecode of what is not changed
+        target = self._directory / mutant.package / mutant.file
+        target.write_text(mutant.after, encoding="utf-8")
+        for file in (target.parent / "__pycache__").glob(f"{target.stem}.*"):
+            file.unlink()
+        return self._directory
+
+    def __exit__(self, *error: object) -> None:
+        shutil.rmtree(self._directory, ignore_errors=True)
+
+
+def remove_leftovers() -> None:
+    """Removes the directories that processes left which are gone, as after SIGKILL."""
+    for directory in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+        number = directory.name.removeprefix(_PREFIX).partition("-")[0]
+        if number.isdigit() and not Path("/proc", number).exists():
+            with suppress(OSError):
+                shutil.rmtree(directory)
