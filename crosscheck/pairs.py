@@ -19,6 +19,8 @@ Pair: TypeAlias = tuple[tuple[str, str], tuple[str, str]]
 
 #: Rows that are tried for one pair, beside the one with all other factors at their first level.
 _TRIED = 30
+#: Bases that are tried for one pair.
+_BASES_TRIED = 8
 
 
 def pairs_of(row: Row) -> set[Pair]:
@@ -27,13 +29,17 @@ def pairs_of(row: Row) -> set[Pair]:
 
 
 def covering(
-    factors: Mapping[str, Sequence[str]], valid: Callable[[Row], bool] = lambda row: True, seed: int = 0
+    factors: Mapping[str, Sequence[str]],
+    valid: Callable[[Row], bool] = lambda row: True,
+    seed: int = 0,
+    bases: Sequence[Row] = (),
 ) -> tuple[list[Row], set[Pair]]:
     """Few rows in which each pair of levels of two factors occurs, and the pairs for which no valid row was found.
 
     factors: the levels of each factor; the first one is the absence of the feature, which goes with most others.
-    valid: whether a whole row makes sense. seed: of the choice among rows, greedy otherwise. The same arguments give
-    the same rows.
+    valid: whether a whole row makes sense. seed: of the choice among rows, greedy otherwise. bases: of factors that
+    need each other: valid levels of some factors, of which a row with any pair may start, the others absent; then a row
+    is valid at each step of its making. The same arguments give the same rows.
     """
     chance = random.Random(seed)
     names = list(factors)
@@ -45,7 +51,10 @@ def covering(
     for pair in sorted(missing):
         if pair not in missing:
             continue
-        found = [row for row in _with_pair(factors, pair, missing, chance) if valid(row)]
+        if bases:
+            found = _from_bases(factors, pair, missing, chance, valid, bases)
+        else:
+            found = [row for row in _with_pair(factors, pair, missing, chance) if valid(row)]
         if not found:
             never.add(pair)
             missing.discard(pair)
@@ -73,6 +82,31 @@ def _with_pair(
             row[name] = max(levels, key=lambda level: _gain(row, name, level, missing))
         rows.append({name: row[name] for name in factors})
     return rows
+
+
+def _from_bases(
+    factors: Mapping[str, Sequence[str]],
+    pair: Pair,
+    missing: set[Pair],
+    chance: random.Random,
+    valid: Callable[[Row], bool],
+    bases: Sequence[Row],
+) -> list[Row]:
+    """Rows that hold the pair, each from a base that goes with it; one factor after the other, valid at each step."""
+    plain = {name: levels[0] for name, levels in factors.items()}
+    starts = [plain | dict(base) | dict(pair) for base in bases]
+    found = []
+    able = list(filter(valid, starts))
+    for start in chance.sample(able, min(len(able), _BASES_TRIED)):
+        row, given = dict(start), {name for name, _ in pair}
+        free = [name for name in factors if name not in given]
+        chance.shuffle(free)
+        for name in free:
+            levels = [level for level in factors[name] if level == row[name] or valid(row | {name: level})]
+            chance.shuffle(levels)
+            row[name] = max(levels, key=lambda level: _gain(row | {name: ""}, name, level, missing))
+        found.append(row)
+    return found
 
 
 def _gain(row: Row, name: str, level: str, missing: set[Pair]) -> int:
