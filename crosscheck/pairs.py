@@ -17,6 +17,9 @@ Row: TypeAlias = dict[str, str]
 #: Two factors and a level of each, the factors in the order of the table.
 Pair: TypeAlias = tuple[tuple[str, str], tuple[str, str]]
 
+#: Whether a row makes sense, as far as this rule goes.
+Rule: TypeAlias = Callable[[Row], bool]
+
 #: A level of a factor.
 _Feature: TypeAlias = tuple[str, str]
 
@@ -30,14 +33,14 @@ def pairs_of(row: Row) -> set[Pair]:
 
 
 def covering(
-    factors: Mapping[str, Sequence[str]], valid: Callable[[Row], bool] = lambda row: True, seed: int = 0
+    factors: Mapping[str, Sequence[str]], rules: Sequence[Rule] = (), seed: int = 0
 ) -> tuple[list[Row], set[Pair]]:
     """Few rows in which each pair of levels of two factors occurs, and the pairs that no valid row has.
 
     factors: the levels of each factor; the first one is the absence of the feature, which goes with most others.
-    valid: whether a row makes sense. It must take what it needs of a row by `row[factor]`: it is tried on rows that
-    have a part of the factors, and the one that it asks for in vain is chosen next. seed: of the choice among rows,
-    greedy otherwise. The same arguments give the same rows.
+    rules: a row makes sense if all say yes. Each takes what it needs of a row by `row[factor]`: rules are tried on rows
+    that have a part of the factors, and one that a rule asks for in vain is chosen next. seed: of the choice among
+    rows, greedy otherwise. The same arguments give the same rows.
     """
     chance = random.Random(seed)
     features = [(name, level) for name, levels in factors.items() for level in levels]
@@ -47,7 +50,7 @@ def covering(
     for one, other in sorted((a, b) for (i, a), (j, b) in combinations(enumerate(features), 2) if a[0] != b[0]):
         if other not in missing[one]:
             continue
-        found = _with_pair(factors, valid, {one, other}, missing, chance)
+        found = _with_pair(factors, rules, {one, other}, missing, chance)
         if not found:
             never.add((one, other))
             missing[one].discard(other)
@@ -62,7 +65,7 @@ def covering(
 
 def _with_pair(
     factors: Mapping[str, Sequence[str]],
-    valid: Callable[[Row], bool],
+    rules: Sequence[Rule],
     pair: set[_Feature],
     missing: Mapping[_Feature, set[_Feature]],
     chance: random.Random,
@@ -79,7 +82,7 @@ def _with_pair(
 
     rows: list[Row] = []
     for levels in (plain, *[greedy] * _TRIED):
-        row = _completed(dict(pair), valid, factors, levels)
+        row = _completed(dict(pair), rules, factors, levels)
         if row is None:
             return rows  # there is none, however it is looked for
         free = [name for name in factors if name not in row]
@@ -93,22 +96,30 @@ def _with_pair(
 
 def _completed(
     row: Row,
-    valid: Callable[[Row], bool],
+    rules: Sequence[Rule],
     factors: Mapping[str, Sequence[str]],
     levels: Callable[[str, Row], Sequence[str]],
 ) -> Row | None:
-    """The row with levels of the factors that `valid` asks for, so that it says yes; None if there are none.
+    """The row with levels of the factors that the rules ask for, so that all say yes; None if there are none.
 
     levels: of a factor, in the order in which they are tried.
     """
-    try:
-        return row if valid(row) else None
-    except KeyError as asked:
-        name = asked.args[0]
-        if name not in factors or name in row:
-            raise
+    wanted: list[str] = []
+    open_rules = []
+    for rule in rules:
+        try:
+            if not rule(row):
+                return None
+        except KeyError as asked:
+            wanted.append(asked.args[0])
+            if wanted[-1] not in factors or wanted[-1] in row:
+                raise
+            open_rules.append(rule)
+    if not open_rules:
+        return row
+    name = wanted[0]
     for level in levels(name, row):
-        found = _completed(row | {name: level}, valid, factors, levels)
+        found = _completed(row | {name: level}, open_rules, factors, levels)
         if found is not None:
             return found
     return None

@@ -192,8 +192,11 @@ def face_names(scene: Scene) -> tuple[str, ...]:
     return (*plane, "cylinder") if scene.across else plane
 
 
-def shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
-    """Shapes, by name, of the arrays that a run of `scene` returns. samples: their number, the start included."""
+def shapes(scene: Scene, samples: int, events: int = 0) -> dict[str, tuple[int, ...]]:
+    """Shapes, by name, of the arrays that a run of `scene` returns.
+
+    samples: their number, the start included. events: the number of those in its trace, which the run decides.
+    """
     gas, cells = scene.lattice_gas, scene.output.fields
     sizes: dict[str, tuple[int, ...]] = {
         "sample": (samples,),
@@ -204,6 +207,8 @@ def shapes(scene: Scene, samples: int) -> dict[str, tuple[int, ...]]:
         "operation": (len(OPERATIONS),),
         "grid": cells or (),
         "block": cells or (1, 1),
+        "event": (events,),
+        "partner": (2,),
     }
     if gas is not None:
         sizes |= {"channel": (gas_model(scene).channels,), "row": (gas.rows,), "column": (gas.columns,)}

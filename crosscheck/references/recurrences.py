@@ -82,7 +82,9 @@ def _verlet(problem: Problem, r: Any, v: Any, dt: Any, steps: int) -> Path:
     for _ in range(steps):
         last, now = places[-2], places[-1]
         places.append(2 * now - last + dt**2 * problem.acceleration(now, (now - last) / dt))
-    middle = [(now, (after - before) / (2 * dt)) for before, now, after in zip(places, places[1:], places[2:], strict=False)]
+    middle = [
+        (now, (after - before) / (2 * dt)) for before, now, after in zip(places, places[1:], places[2:], strict=False)
+    ]
     return _stacked([(r, v), *middle[1 : steps + 1]])
 
 

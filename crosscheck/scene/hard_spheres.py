@@ -43,6 +43,7 @@ def refuse_hard_spheres_entries(scene: SceneEntries) -> None:
         "initial.angular_velocities": isinstance(initial, Explicit) and initial.angular_velocities is not None,
         "output.collisions": output.collisions is not None,
         "output.fields": output.fields is not None,
+        "output.trace": output.trace,
         **{f"output.observables: '{name}'": name in output.observables for name in named("hard_spheres")},
     }
     for entry, given in entries.items():

@@ -20,9 +20,9 @@ Floats = NDArray[Any]
 #: The matter of an observable: of which scenes it is one. Of any; of those with particles; of those with smooth forces;
 #: of hard spheres (soft contacts or not); of lattice gases.
 Matter = Literal["any", "particles", "smooth_particles", "hard_spheres", "lattice_gas"]
-#: How a scene asks for it: not at all (every run has it), by `output.trajectory`, `output.forces`, `output.fields`, or
-#: by its name in `output.observables`.
-Asked = Literal["always", "trajectory", "forces", "fields", "observables"]
+#: How a scene asks for it: not at all (every run has it), by `output.trajectory`, `output.forces`, `output.fields`,
+#: `output.trace`, or by its name in `output.observables`.
+Asked = Literal["always", "trajectory", "forces", "fields", "trace", "observables"]
 #: Axes of the arrays, and what they are called in the generated documentation.
 AXIS_NAMES = {
     "sample": "samples",
@@ -36,6 +36,8 @@ AXIS_NAMES = {
     "channel": "b",
     "row": "rows",
     "column": "columns",
+    "event": "events",
+    "partner": "2",
 }
 #: Columns of "operation_counts".
 OPERATIONS = (
@@ -87,6 +89,10 @@ def _field(name: str, axes: tuple[str, ...], unit: str, meaning: str, *, cumulat
     return Observable(name, "hard_spheres", axes, unit, meaning, cumulative, asked="fields")
 
 
+def _event(name: str, axes: tuple[str, ...], unit: str, meaning: str, **more: Any) -> Observable:
+    return Observable(name, "hard_spheres", ("event", *axes), unit, meaning, False, "trace", **more)
+
+
 #: What observables of the rotation require.
 FRICTION = ("hard_spheres.friction", "smooth grains do not rotate")
 _CYLINDER = ("box.cylinder", "there is no axis to turn about")
@@ -135,6 +141,16 @@ _ROWS = (
     _hard("rotational_energy", ("sample",), "energy", "sum of I omega^2/2", cumulative=False, requires=FRICTION),
     _hard("contact_time", ("sample",), "time",
           "number of pairs in contact, integrated over time; 0 of hard spheres, collisions times t_c of soft ones"),
+    _event("event_times", (), "time",
+           "times of all events that change velocities, in their order: collisions, edges of wells, walls"),
+    _event("event_partners", ("partner",), "none",
+           "numbers of the two particles; of a wall, the second is -1 - face, the faces in the order of wall_impulse"),
+    _event("event_positions", ("partner", "axis"), "length",
+           "positions of the two at the event, unwrapped; 0 of a wall"),
+    _event("event_velocities", ("partner", "axis"), "length/time",
+           "velocities of the two after the event; 0 of a wall"),
+    _event("event_angular_velocities", ("partner", "spin"), "1/time",
+           "angular velocities of the two after the event; 0 of a wall", requires=FRICTION),
     Observable("populations", "lattice_gas", ("sample", "block", "channel"), "none",
                "particles of each channel in each block of output.fields; means, if the scheme moves mean occupations"),
     Observable("force_impulse", "lattice_gas", ("sample", "row"), "momentum",
@@ -180,8 +196,8 @@ def named(matter: Matter) -> tuple[str, ...]:
 def asked_for(matters: tuple[Matter, ...], observables: tuple[str, ...], **switches: bool) -> dict[str, Observable]:
     """The rows of the table that a scene asks for, by name, in the order of the table.
 
-    matters: those of the scene. observables: names in `output.observables`. switches: trajectory, forces, fields:
-    whether they are asked for.
+    matters: those of the scene. observables: names in `output.observables`. switches: trajectory, forces, fields,
+    trace: whether they are asked for.
     """
     return {
         row.name: row

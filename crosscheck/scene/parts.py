@@ -516,6 +516,8 @@ class Output(Part):
     """true: positions and velocities of all particles at each sample."""
     forces: bool = False
     """true: the force on every particle at the end of the run."""
+    trace: bool = False
+    """true: every event that changes velocities of hard spheres, with the states of its partners after it."""
     fields: tuple[Count, ...] | None = None
     """Number of cells along each axis. Of hard spheres, the hydrodynamic fields are averaged in them over the whole
     run; of a lattice gas, they are the blocks of the observable "populations". Absent: no fields; one block."""

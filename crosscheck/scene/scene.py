@@ -180,6 +180,7 @@ class Scene(SceneEntries):
             trajectory=output.trajectory,
             forces=output.forces,
             fields=output.fields is not None,
+            trace=output.trace,
         )
         return {name: row for name, row in asked.items() if row.requires != FRICTION or self.spin_dimension}
 

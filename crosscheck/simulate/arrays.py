@@ -28,6 +28,7 @@ _NAMES = {
     ("sample", "block"): "blocks",
     ("sample", "row"): "rows",
     ("row", "column"): "sites",
+    ("event",): "events",
 }
 #: Quantities that follow from observables with these axes.
 _DERIVED = {("grid",): on_cells, ("sample", "block"): on_blocks}
@@ -46,6 +47,7 @@ def coordinates(scene: Scene, run: Run) -> dict[str, list[Coordinates]]:
     found: dict[str, list[Coordinates]] = {"sample": [{"time": run["time"]}]}
     if scene.lattice_gas is None:
         found["particle"] = [_particles(scene)]
+        found["event"] = [{"event": np.arange(len(run.get("event_times", ())))}]
     else:
         gas = scene.lattice_gas
         height = float(gas_model(scene).velocities.row_height)

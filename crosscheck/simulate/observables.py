@@ -23,7 +23,7 @@ from crosscheck.text import printable
 #: Observables that are no columns themselves: columns of energies, temperature and pressure follow from them.
 _USED = ("kinetic_energy", "potential_energy", "virial")
 #: Axes of the table of observables that say where or when a value is.
-PLACES = ("sample", "particle", "grid", "block", "row", "column")
+PLACES = ("sample", "particle", "grid", "block", "row", "column", "event")
 
 
 @dataclass(frozen=True)

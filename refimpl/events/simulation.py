@@ -52,7 +52,8 @@ EXPECTED_WAIT = 0.25
 OVERLAP = 0.999
 #: Attributes of a `Simulation` that are no part of its state: what it was made from, and measurements.
 _APART = (
-    "model", "dimension", "number", "_grid", "_counting", "_trace", "_traced", "_tallies", "_fields", "_initial",
+    "model", "dimension", "number", "_grid", "_counting", "_trace", "_traced", "_traced_states", "_tallies", "_fields",
+    "_initial",
 )  # fmt: skip
 #: What of its state may be larger than at the start.
 _GROWING = ("particles.cells", "particles.bonds", "scratch", "store")
@@ -114,6 +115,7 @@ class Simulation:
         self._queue = _calendar(n) if scheduler == "calendar" else _tree(n)
         self._trace = _trace() if trace else None
         self._traced: list[tuple[float, int, int]] = []
+        self._traced_states = [np.zeros((0, 2, 9))]
         self._progress = np.zeros(6, np.int64)
         self._base, self._now, self._rebases = (0.0, 0.0), 0.0, 0
         self._phases = () if walls is None else tuple(map(float, walls.numbers[:, PHASE]))
@@ -174,6 +176,7 @@ class Simulation:
             length = int(self._trace.filled[0])
             for time, (one, other) in zip(self._trace.time[:length], self._trace.pairs[:length].tolist(), strict=True):
                 self._traced.append((math.fsum((*self._base, time)), one, other))
+            self._traced_states.append(self._trace.after[:length].copy())
             self._trace.filled[0] = 0
 
     def _collect_simultaneous(self) -> None:
@@ -187,6 +190,15 @@ class Simulation:
         if self._trace is None:
             raise ValueError("events were not traced: give trace=True")
         return self._traced
+
+    def traced_states(self) -> Floats:
+        """(events, 2, 9) of every change of state: positions, not wrapped, velocities and spins of both, after it.
+
+        In the order of `trace`; three components each, those that are absent are 0, as all of a wall are.
+        """
+        if self._trace is None:
+            raise ValueError("events were not traced: give trace=True")
+        return np.concatenate(self._traced_states)
 
     def _collapse(self) -> str:
         one, other = (int(self._progress[k]) for k in (loop.FIRST, loop.SECOND))
@@ -303,6 +315,7 @@ class Simulation:
         arrays: of its `snapshot`. Raises ValueError that names an array which does not fit.
         """
         state = restore(self._state(), arrays, _GROWING)
+        self._traced, self._traced_states = [], [np.zeros((0, 2, 9))]
         del state["walls"]  # filled in place
         for name, value in state.items():
             setattr(self, name if name in vars(self) else f"_{name}", value)
@@ -577,7 +590,9 @@ def _scratch(d: int, width: int) -> loop.Scratch:
 
 def _trace() -> loop.Trace:
     length = 1 << 12
-    return loop.Trace(np.zeros(length), np.zeros((length, 2), np.int64), np.zeros(1, np.int64))
+    return loop.Trace(
+        np.zeros(length), np.zeros((length, 2), np.int64), np.zeros(1, np.int64), np.zeros((length, 2, 9))
+    )
 
 
 def _lists(n: int, nodes: int) -> schedule.Lists:

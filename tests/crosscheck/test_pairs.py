@@ -22,7 +22,7 @@ def test_every_pair_of_levels_occurs(factors: dict[str, list[str]], seed: int) -
 def test_no_row_is_invalid_and_what_is_left_out_is_named(factors: dict[str, list[str]], seed: int) -> None:
     first, second = list(factors)[:2]
     a, b = factors[first][-1], factors[second][-1]
-    rows, never = covering(factors, lambda row: (row[first], row[second]) != (a, b), seed)
+    rows, never = covering(factors, (lambda row: (row[first], row[second]) != (a, b),), seed)
     assert ((first, a), (second, b)) in never
     assert all((row[first], row[second]) != (a, b) for row in rows)
     others = [pair for row in rows for pair in pairs_of(row)]
@@ -43,7 +43,7 @@ def test_a_pair_that_needs_a_chain_of_other_levels_is_found() -> None:
     def chain(row: dict[str, str]) -> bool:
         return all(row[one] == "no" or row[other] == "yes" for one, other in ("ab", "bc", "cd"))
 
-    rows, never = covering(factors, chain)
+    rows, never = covering(factors, (chain,))
     assert all(map(chain, rows))
     assert (("a", "yes"), ("e", "yes")) in set().union(*map(pairs_of, rows))
     assert never == {((one, "yes"), (other, "no")) for one, other in ("ab", "ac", "ad", "bc", "bd", "cd")}

@@ -48,14 +48,14 @@ def rows(seed: int = 0) -> tuple[list[Row], set[Pair]]:
 
     seed: another one gives other rows.
     """
-    return covering(FACTORS, possible, seed)
+    return covering(FACTORS, (possible,), seed)
 
 
 @cache
 def simple_rows() -> tuple[list[Row], set[Pair]]:
     """Few rows for engines that measure less: no potential energy, and no feature that a code of today lacks."""
     fewer = {name: simple(name, levels) for name, levels in FACTORS.items()}
-    return covering(fewer, possible)
+    return covering(fewer, (possible,))
 
 
 def _named(row: Row) -> str:

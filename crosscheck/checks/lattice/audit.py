@@ -83,7 +83,9 @@ def rows() -> tuple[list[Row], set[Pair]]:
     """
     # a whole number of the widest words matters to those alone who have such words, the first scheme
     columns = tuple(level for level in FACTORS["columns"] if level != "512")
-    found, _ = covering({**FACTORS, "columns": columns, "scheme": FACTORS["scheme"][1:], "reversals": ("no",)}, _valid)
+    found, _ = covering(
+        {**FACTORS, "columns": columns, "scheme": FACTORS["scheme"][1:], "reversals": ("no",)}, (_valid,)
+    )
     for model, walls, forces in _OF_FIRST_SCHEME:
         found += _of_one_model(model, walls, forces, scheme=("first",))
     found += _of_one_model("hpp", ("none", *_PLAIN), ("none",), scheme=("second", "third"), reversals=("yes",))

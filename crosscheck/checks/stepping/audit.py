@@ -118,7 +118,10 @@ def audit_samples(ledger: Ledger, scene: Scene, run: Run, where: str) -> None:
     samples: dict[int, tuple[Floats, Floats]] = {0: (state.positions, state.velocities)}
     if positions is not None and velocities is not None:
         # an engine may keep momenta, or other units: a rounding or two
-        for name, given, found in (("positions", state.positions, positions), ("velocities", state.velocities, velocities)):
+        for name, given, found in (
+            ("positions", state.positions, positions),
+            ("velocities", state.velocities, velocities),
+        ):
             ledger.note(f"{name} of the start", found[0] - given, 2 * EPSILON * abs(given) + 1e-300, where)
         samples.update(enumerate(zip(positions, velocities, strict=True)))
         ledger.note("last sample of the positions", positions[-1] - run["final_positions"], 1e-300, where)
@@ -185,7 +188,9 @@ class Expected:
             lever = size[0] / dt if scheme == "verlet" else 0.0
             self._bounds.append(
                 (
-                    _SCATTER * np.maximum.accumulate(apart[0]) + 8 * EPSILON * size[0] * (1 + count) + kick * dt * count,
+                    _SCATTER * np.maximum.accumulate(apart[0])
+                    + 8 * EPSILON * size[0] * (1 + count)
+                    + kick * dt * count,
                     _SCATTER * np.maximum.accumulate(apart[1]) + 8 * EPSILON * (size[1] * (1 + count) + lever) + kick,
                 )
             )
@@ -266,7 +271,7 @@ class Features:
     @cached_property
     def rows(self) -> tuple[list[Row], set[Pair]]:
         """Rows with all pairs of levels, and the pairs that no scene can have."""
-        return covering(self.factors, self.valid, self.seed)
+        return covering(self.factors, (self.valid,), self.seed)
 
     def method(self, engine: type[Engine], scene: Scene) -> Method:
         """Velocity Verlet if the engine has it, else its first scheme. engine: the class. scene: of a row."""
@@ -296,7 +301,7 @@ class Features:
         }
         if not accepted or levels == dict(self.factors):
             return rows
-        return covering(levels, self.valid, self.seed)[0]
+        return covering(levels, (self.valid,), self.seed)[0]
 
     def _accepted(self, engine: type[Engine], row: Row) -> bool:
         scene = self.scene_of(row, 0)

@@ -38,6 +38,7 @@ GRAINS = ("velocity_verlet", "leapfrog", "verlet", "symplectic_euler")
 _STATES = "positions velocities"
 _SMOOTH = f"{_STATES} forces kinetic_energy potential_energy virial"
 _HARD = f"{_STATES} angular_velocities kinetic_energy potential_energy rotational_energy"
+_TRACE = "event_times event_partners event_positions event_velocities event_angular_velocities"
 #: Words of hard spheres that event-driven schemes and schemes with soft contacts understand.
 _SPHERES = """
     dimension=2 dimension=3 masses[] acceleration hard_spheres.diameter hard_spheres.diameter[] hard_spheres.restitution
@@ -110,11 +111,15 @@ class RefimplEngine:
             "hard_spheres",
             "event_driven",
             words=f"{_EVENTS} output.fields",
-            observables=f"{_HARD} {' '.join(named('hard_spheres'))}",
+            observables=f"{_HARD} {_TRACE} {' '.join(named('hard_spheres'))}",
             schemes=tuple(name for name in SCHEDULERS if name != NAIVE),
         ),
         capability(
-            "hard_spheres", "event_driven", words=_EVENTS, observables=f"{_HARD} collisions events", schemes=(NAIVE,)
+            "hard_spheres",
+            "event_driven",
+            words=_EVENTS,
+            observables=f"{_HARD} {_TRACE} collisions events",
+            schemes=(NAIVE,),
         ),
         capability(
             "lattice_gas",

@@ -19,7 +19,7 @@ from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.errors import UsageError
 from crosscheck.scene import AXES, Floats, Scene, State
 from refimpl.events import model as events
-from refimpl.events.naive import Naive
+from refimpl.events.naive import CYLINDER_FACE, Naive
 from refimpl.events.simulation import Simulation
 from refimpl.events.state import field_energy, kinetic_energies, rotational_energies, well_energy
 
@@ -50,7 +50,7 @@ def run_events(scene: Scene, scheduler: Any, ends: Continuation | None = None) -
             sim: Any
             if scheduler == "naive":
                 _Naive(*start).run(until=scene.duration, changes=1)  # compiles the collision rules
-                sim = _Naive(*start)
+                sim = (_TracedNaive if output.trace else _Naive)(*start)
             else:
                 sim = Simulation(
                     *start,
@@ -58,6 +58,7 @@ def run_events(scene: Scene, scheduler: Any, ends: Continuation | None = None) -
                     tallies=tallied,
                     fields=output.fields,
                     counting="operation_counts" in output.observables,
+                    trace=output.trace,
                 )
             before = _record(run, 0, sim, origin, tallied)
             sim.run(until=0.0)  # compiles the loop
@@ -98,6 +99,8 @@ def run_events(scene: Scene, scheduler: Any, ends: Continuation | None = None) -
         run["final_angular_velocities"] = final.angular_velocities
     if output.fields is not None:
         run.update(sim.fields())
+    if output.trace:
+        run.update(_trace(scene, sim, origin, begin))
     height = 0.0 if scene.acceleration is None else float(state.masses.sum() * (origin @ scene.acceleration))
     if "potential_energy" in run:
         run["potential_energy"] -= height
@@ -247,6 +250,54 @@ class _Naive(Naive):
 
     def potential_energy(self) -> float:
         return field_energy(self.model, self.state().positions) + well_energy(self.model, self._bonds)
+
+
+class _TracedNaive(_Naive):
+    """The naive algorithm, event by event, with the states of the partners after each."""
+
+    def __init__(self, *start: Any) -> None:
+        super().__init__(*start)
+        self._after = [np.zeros((0, 2, 9))]
+
+    def run(self, until: float = math.inf, collisions: int | None = None, changes: int | None = None) -> None:
+        """As `Naive.run`."""
+        while changes is None or len(self.trace) < changes:
+            before = len(self.trace)
+            super().run(until, collisions, before + 1)
+            if len(self.trace) == before:
+                return
+            _, x, v, spins = self.state()
+            after = np.zeros((1, 2, 9))
+            for place, i in enumerate(self.trace[-1][1:]):
+                if i >= 0:
+                    after[0, place, : self.dimension] = x[i]
+                    after[0, place, 3 : 3 + self.dimension] = v[i]
+                    if spins is not None:
+                        after[0, place, 6 if self.dimension == 3 else 8 :] = spins[i]
+            self._after.append(after)
+
+    def traced_states(self) -> Floats:
+        """As `Simulation.traced_states`."""
+        return np.concatenate(self._after)
+
+
+def _trace(scene: Scene, sim: Any, origin: Floats, begin: float) -> dict[str, Floats]:
+    """The observables of `output.trace`. origin: of the domain. begin: time of the start of the run."""
+    d, rows = scene.dimension, sim.trace if isinstance(sim, Naive) else sim.trace()
+    traced, states = np.array(rows, dtype=np.float64).reshape(-1, 3), sim.traced_states()
+    partners = traced[:, 1:]
+    # faces are numbered as if in space, the cylinder is the last one that there is
+    partners[partners == -1 - CYLINDER_FACE] = -1 - 2 * d
+    shift = np.where(partners[..., None] >= 0, origin, 0.0)
+    found = {
+        "event_times": traced[:, 0] - begin,
+        "event_partners": partners,
+        "event_positions": states[..., :d] + shift,
+        "event_velocities": states[..., 3 : 3 + d],
+    }
+    if scene.spin_dimension:
+        found["event_angular_velocities"] = states[..., 8:] if d == 2 else states[..., 6:]
+    return found
 
 
 def _record(run: Run, sample: int, sim: Any, origin: Floats, tallied: bool, before: _Counts | None = None) -> _Counts:

@@ -246,7 +246,8 @@ def arrays(
         if time.ndim == 1 and time.size != times.size:
             raise Misfit(f"run['time'] has {time.size} samples, the scene asks for {times.size}")
     found = {}
-    for name, shape in shapes(scene, times.size).items():
+    events = np.size(given["event_times"]) if "event_times" in given else 0
+    for name, shape in shapes(scene, times.size, events).items():
         array = _float64(name, given[name]) if name in given else None
         if array is None or array.shape != shape:
             returned = "nothing" if array is None else f"shape {array.shape}"

@@ -140,11 +140,16 @@ class Particles(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """Changes of state in order: time (length,), pairs (length, 2): i, and j or -1 - face; filled: (1,)."""
+    """Changes of state in order: time (length,), pairs (length, 2): i, and j or -1 - face; filled: (1,).
+
+    after: (length, 2, 9) positions, not wrapped into the box, velocities and spins of both after the event; 0 of a
+    wall.
+    """
 
     time: Any
     pairs: Any
     filled: Any
+    after: Any
 
 
 class Measured(NamedTuple):
@@ -657,11 +662,26 @@ def _hit_wall(
 
 
 @inline_internal
-def _append_to_trace(trace: Any, now: float, i: int, j: int) -> None:
+def _append_to_trace(trace: Any, model: Any, particles: Any, now: float, i: int, j: int) -> None:
+    """Notes an event that has been applied."""
     if trace is not None:
         place = trace.filled[0]
         trace.time[place], trace.pairs[place, 0], trace.pairs[place, 1] = now, i, j
+        trace.after[place] = 0.0
+        _note_state(trace.after[place, 0], model, particles, particles.spins, i)
+        if j >= 0:
+            _note_state(trace.after[place, 1], model, particles, particles.spins, j)
         trace.filled[0] = place + 1
+
+
+@inline_internal
+def _note_state(after: Any, model: Any, particles: Any, spins: Any, i: int) -> None:
+    for k in range(len(model.lengths)):
+        after[k] = particles.rows[i, k] + particles.images[i, k] * model.lengths[k]
+        after[3 + k] = particles.rows[i, SPEED + k]
+    if spins is not None:
+        for k in range(3):
+            after[6 + k] = spins[i, k]
 
 
 @inline_internal
@@ -728,8 +748,10 @@ def advance(
             else:
                 interactions += 1
                 tick(counts, WALL_EVENTS, 1)
-                _append_to_trace(trace, now, i, WALL - 1 - ints[i, OWN])
-                if _hit_wall(model, grid, particles, measured, i, now, instant, resolution):
+                wall = WALL - 1 - ints[i, OWN]
+                collapsed = _hit_wall(model, grid, particles, measured, i, now, instant, resolution)
+                _append_to_trace(trace, model, particles, now, i, wall)
+                if collapsed:
                     progress[FIRST], progress[SECOND] = i, -1
                     status = COLLAPSED
         else:
@@ -745,7 +767,7 @@ def advance(
                 pairs += done in (REACHED, COLLAPSED)
                 interactions += done != BONDS_FULL
                 if done != BONDS_FULL:
-                    _append_to_trace(trace, now, i, j)
+                    _append_to_trace(trace, model, particles, now, i, j)
                 if done == BONDS_FULL or done == COLLAPSED:
                     progress[FIRST], progress[SECOND] = i, j
                     status = done

@@ -1,0 +1,147 @@
+"""Every event of small runs against the definitions, with all pairs of features: `crosscheck.references.event_audit`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from crosscheck.checks.base import Check, Laboratory, Variant
+from crosscheck.checks.events.audit_rows import EVENTS, FACTORS, row_scene, rows
+from crosscheck.checks.events.gases import event_driven
+from crosscheck.engines.capabilities import measured, refusal
+from crosscheck.engines.registry import engine_class
+from crosscheck.errors import Unsupported
+from crosscheck.faults import Fault
+from crosscheck.pairs import Row
+from crosscheck.references.event_audit import Audit, audit
+from crosscheck.scene import Method, Output, Scene
+from crosscheck.verdict import Judged, bounded, round_off, worst
+
+#: A run begins with one shorter by this factor, whose number of events says how long it should be: so many events, or
+#: so many times as many passages of cells.
+PILOT, CROSSINGS = 12, 5
+#: Cases that the rows are divided into.
+CHUNKS = 6
+#: What a deviation is counted in, by kind; sums and fields have a tolerance of their own.
+_WHY = {
+    "order of events": "times do not go backwards, partners exist",
+    "free flight": "rounding of positions and of the time of an event",
+    "contact": "rounding of positions and of the time of an event",
+    "approach": "rounding of velocities",
+    "velocities after": "rounding of the normal, that of positions over the radius, times the largest velocity",
+    "spins after": "as of velocities, over the radius",
+    "drawn velocities": "what the law of a random wall makes possible; none repeats",
+    "missed events": "rounding of positions: no overlap of all pairs, images and walls between events",
+}
+_OF_SUMS = "rounding of terms times their number: 1e-12 of the sum of their sizes"
+
+
+class _Chunk(NamedTuple):
+    """Every so many rows of the table, from `first` on."""
+
+    first: int
+
+
+def _judge(laboratory: Laboratory, chunk: _Chunk) -> Judged:
+    """The largest deviation of each kind in all rows of a chunk."""
+    table, _ = rows()
+    total, refused, judged = Audit(), [], 0
+    for number in range(chunk.first, len(table), CHUNKS):
+        scene, method = _measured(laboratory, table[number], row_scene(table[number], number))
+        reason = refusal(engine_class(laboratory.engine), scene, method)
+        if reason is not None:
+            refused.append(reason)
+            continue
+        scene = _of_good_length(laboratory, scene, method)
+        run = laboratory.run(scene, method, may_end_early=scene.output.collisions is not None)
+        found = audit(scene, run)
+        judged += 1
+        total.events += found.events
+        for kind, share in found.shares.items():
+            total.note(kind, share, 1.0, f"row {number}: {found.where.get(kind, '')} ({features(table[number])})")
+    if not judged:
+        raise Unsupported(f"{laboratory.engine}: none of the rows: {refused[0]}")
+    known = {kind: total.shares[kind] for kind in _WHY}
+    judgements = [
+        round_off(f"{kind}: largest error, in its rounding", share, 1.0, _WHY[kind], note=total.where.get(kind, ""))
+        for kind, share in known.items()
+    ]
+    sums = {kind: share for kind, share in total.shares.items() if kind not in _WHY}
+    if sums:
+        kind = max(sums, key=lambda kind: sums[kind])
+        note = f"{kind}: {total.where.get(kind, '')}"
+        judgements.append(round_off("samples, sums and fields: largest error", sums[kind], 1.0, _OF_SUMS, note=note))
+    few = float(total.events < judged)
+    judgements.append(bounded("runs without events", few, 0.0, "what has no events judges nothing", control=True))
+    skipped = f"; {len(refused)} rows that the engine does not declare" if refused else ""
+    return worst(judgements, f"{judged} rows, {total.events} events{skipped}")
+
+
+def _of_good_length(laboratory: Laboratory, scene: Scene, method: Method) -> Scene:
+    """The scene, shorter where its beginning shows that it would have many more events than are needed."""
+    pilot = scene.duration / PILOT
+    output = Output(trace=True)
+    run = laboratory.run(scene.changed(duration=pilot, output=output), method)
+    # passages of cells cost time too
+    events = max(len(run["event_times"]), run.cost.events / CROSSINGS)
+    share = min(1.0, EVENTS / max(1.0, events * PILOT))
+    sampled = {} if scene.output.interval is None else {"interval": scene.output.interval * share}
+    return scene.changed(duration=scene.duration * share, output=scene.output.model_copy(update=sampled))
+
+
+def features(row: Row) -> str:
+    """The features of a row that are not absent, in words."""
+    return ", ".join(f"{name} {level}" for name, level in row.items() if level != FACTORS[name][0])
+
+
+def _measured(laboratory: Laboratory, row: Row, scene: Scene) -> tuple[Scene, Method]:
+    """The scene, with those observables that the row's scheme of the engine measures, and the scheme."""
+    schemes = [name for name, claims in laboratory.claims.items() if claims.kind == "event_driven"]
+    scheme = schemes[FACTORS["scheme"].index(row["scheme"]) % len(schemes)]
+    able: frozenset[str] = frozenset()
+    cells = False
+    for one in engine_class(laboratory.engine).capabilities:
+        if one.interaction == "hard_spheres" and one.kind == "event_driven" and scheme in (one.schemes or (scheme,)):
+            able, cells = able | one.observables, cells or "output.fields" in one.words
+    output = scene.output.model_copy(
+        update={
+            "observables": tuple(name for name in scene.output.observables if name in able),
+            "fields": scene.output.fields if cells else None,
+        }
+    )
+    scene = scene.changed(output=output)
+    assert {"event_times", "event_partners"} <= measured(scene)
+    return scene, Method(scheme=scheme)
+
+
+def _variants(_: object) -> Iterable[Variant]:
+    return [Variant(f"rows-{first}", _Chunk(first)) for first in range(CHUNKS)]
+
+
+CHECKS = (
+    Check(
+        name="events/audit",
+        title="Every event of small runs, with all pairs of features, against the definitions",
+        equation="free flights, contacts, rules, no event missed; all sums and fields again from the trace",
+        criterion="each number to its rounding",
+        citation="Alder & Wainwright, J. Chem. Phys. 31, 459 (1959); Walton, in: Particulate Two-Phase Flow (1993)",
+        judge=_judge,
+        variants=tuple(_variants(None)),
+        needs=event_driven(
+            observables="positions velocities event_times event_partners event_positions event_velocities"
+        ),
+        interpreted=True,
+        faults=(
+            (
+                "rows-0",
+                Fault(
+                    "half-well",
+                    "events/rules.py",
+                    "2.0 * well.depth / mass)",
+                    "1.0 * well.depth / mass)",
+                    "a well gives half its energy",
+                ),
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,9 @@
+"""An auditor of event-driven runs: every event of a trace, and all that follows from it, against the definitions.
+
+It shares no code with any engine: laws of collisions, motion between them and all sums are written here from the
+definitions of the scene language. `audit` reads a run; `reconstructed` makes a trace from a densely sampled one.
+"""
+
+from crosscheck.references.event_audit.audit import Audit, audit
+
+__all__ = ["Audit", "audit"]
