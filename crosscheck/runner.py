@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import pairwise
 from pathlib import Path
@@ -178,7 +178,7 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
         outcome, message = "error", str(error)
     except Exception as error:
         outcome, message = "error", f"the check failed: {type(error).__name__}: {error}"
-    cost = {"seconds": time.perf_counter() - started, **asdict(laboratory.cost)}
+    cost = {"seconds": time.perf_counter() - started, **laboratory.cost.known()}
     return Verdict(check.name, case.variant, case.engine, outcome, found, message, cost, tier)
 
 
