@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from crosscheck.checks.both_modes import same_bits, same_to_rounding
-from crosscheck.engines.protocol import Run
+from crosscheck.engines.protocol import Cost, Run
 
 
 class Modes:
@@ -18,10 +18,11 @@ class Modes:
     def __init__(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
         self.change = change
         self.values = np.array([1.0, -3.0, np.nan, 0.0])
+        self.costs = {False: Cost(cpu=1.0, pair_tests=5), True: Cost(cpu=2.0, pair_tests=5)}
 
     def run(self, scene: Any, method: Any, *, interpreted: bool) -> Run:
         velocities = self.change(self.values) if interpreted else self.values
-        return Run(velocities=velocities, positions=np.ones(2))
+        return Run(velocities=velocities, positions=np.ones(2), cost=self.costs[interpreted])
 
 
 SCENE: Any = None
@@ -45,6 +46,13 @@ def test_equal_runs_pass() -> None:
     laboratory: Any = Modes(np.copy)
     judged = same_bits(laboratory, SCENE, "stepping", "scene")
     assert (judged.outcome, judged.measured, judged.note) == ("pass", 0.0, "")
+
+
+def test_what_is_counted_must_be_the_same() -> None:
+    laboratory: Any = Modes(np.copy)
+    laboratory.costs[True].pair_tests = 6
+    judged = same_bits(laboratory, SCENE, "stepping", "scene")
+    assert (judged.outcome, judged.note) == ("fail", "they differ in 1 of cost.pair_tests")
 
 
 @pytest.mark.parametrize(("roundings", "outcome"), [(3.0, "pass"), (40.0, "fail")])
