@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from itertools import pairwise
 from pathlib import Path
@@ -191,7 +191,7 @@ def judge_with(pool: Pool, case: Case, seed: int, repeat: bool = True) -> Verdic
         outcome, message = "error", str(error)
     except Exception as error:
         outcome, message = "error", f"the check failed: {type(error).__name__}: {error}"
-    cost = {"seconds": time.perf_counter() - started, **asdict(laboratory.cost)}
+    cost = {"seconds": time.perf_counter() - started, **laboratory.cost.known()}
     return Verdict(check.name, case.variant, case.engine, outcome, found, message, cost, tier)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from crosscheck.engines.capabilities import Needs, scheme_of
@@ -96,9 +96,7 @@ class Laboratory:
         plain = self.interpreted if interpreted is None else interpreted
         worker = self.pool.worker(name, plain and "interpretable" in getattr(engine_class(name), "promises", ()))
         run = worker.run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
-        for entry, value in asdict(run.cost).items():
-            before = getattr(self.cost, entry)
-            setattr(self.cost, entry, max(before, value) if entry == "peak_bytes" else before + value)
+        self.cost.add(run.cost)
         if (run.diverged or run.stopped) and not may_end_early:
             reason = f"{name}, scene {scene.name}: the run {'diverged' if run.diverged else f'stopped: {run.stopped}'}"
             raise (EndedEarly if name == self.engine else EngineError)(reason)

@@ -33,12 +33,13 @@ def _both(laboratory: Laboratory, scene: Scene, method: Method | Kind) -> tuple[
 
 
 def same_bits(laboratory: Laboratory, scene: Scene, method: Method | Kind, name: str) -> Judgement:
-    """The judgement that every number of a run is the same to the last bit in both modes.
+    """The judgement that every number of a run is the same to the last bit in both modes, and what it counted too.
 
     laboratory, scene, method: as of `Laboratory.run`. name: of the scene, in the quantity's name.
     """
     one, other = _both(laboratory, scene, method)
     counts = {key: int((~_equal(one[key], other[key])).sum()) for key in one}
+    counts |= {f"cost.{key}": int(value != other.cost.known().get(key)) for key, value in _work(one).items()}
     differing = [f"{count} of {key}" for key, count in counts.items() if count]
     note = f"they differ in {', '.join(differing)}" if differing else ""
     return round_off(f"{name}: numbers that differ", float(sum(counts.values())), 0.5, _SAME_BITS, note=note)
@@ -58,6 +59,12 @@ def same_to_rounding(
     return round_off(
         f"{name}: largest relative difference", apart[farthest], roundings * EPSILON, why, note=f"in {farthest}"
     )
+
+
+def _work(run: Run) -> dict[str, float]:
+    """What a run counted, without times and memory."""
+    apart = ("wall", "cpu", "compile", "peak_bytes")
+    return {name: value for name, value in run.cost.known().items() if name not in apart}
 
 
 def _equal(one: np.ndarray, other: np.ndarray) -> np.ndarray:

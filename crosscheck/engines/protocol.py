@@ -12,7 +12,7 @@ import resource
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
@@ -56,6 +56,13 @@ class Cost:
     wall, cpu: elapsed and processor time of the integration alone, s. compile: elapsed time of compilation and set-up,
     s. steps: number of time steps. evaluations: number of evaluations of all forces. peak_bytes: largest memory of the
     worker process so far, bytes. events: number of events of all kinds.
+
+    Exact numbers of operations, which tell what was done too often without a clock; None: not counted. pair_tests:
+    distances of pairs computed for forces, a pair twice if it is looked at from both sides. list_builds, list_prunings:
+    lists of neighbours made anew, or picked from a longer one; list_tests: distances computed for that. Event-driven:
+    predictions: pairs looked at for an event; comparisons: of times, to find the next event; stale_events: events
+    that were due but not valid any more; cell_crossings: events that moved a particle to another cell. site_updates:
+    sites of a lattice computed.
     """
 
     wall: float = 0.0
@@ -65,6 +72,28 @@ class Cost:
     evaluations: int = 0
     peak_bytes: int = 0
     events: int = 0
+    pair_tests: int | None = None
+    list_builds: int | None = None
+    list_prunings: int | None = None
+    list_tests: int | None = None
+    predictions: int | None = None
+    comparisons: int | None = None
+    stale_events: int | None = None
+    cell_crossings: int | None = None
+    site_updates: int | None = None
+
+    def add(self, other: Cost) -> None:
+        """Adds the cost of another run; of the peak memory, the larger; what the other has not counted adds nothing."""
+        for entry, value in asdict(other).items():
+            before = getattr(self, entry)
+            if entry == "peak_bytes":
+                setattr(self, entry, max(before, value))
+            elif value is not None:
+                setattr(self, entry, (before or 0) + value)
+
+    def known(self) -> dict[str, float]:
+        """The entries that were counted, by name."""
+        return {entry: value for entry, value in asdict(self).items() if value is not None}
 
 
 class Run(dict[str, Floats]):

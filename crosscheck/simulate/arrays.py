@@ -6,7 +6,6 @@ here.
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 from pathlib import Path
@@ -89,7 +88,7 @@ def write_arrays(path: Path, scene: Scene, method: Method, result: Result) -> Pa
         "version": result.version,
         "method": method_label(method),
         "outcome": outcome(result.run),
-        "cost": dataclasses.asdict(result.run.cost),
+        "cost": result.run.cost.known(),
         "arrays": {
             name: {"axes": TABLE[name].axes, "unit": TABLE[name].unit, "meaning": meaning(name)} for name in arrays
         },

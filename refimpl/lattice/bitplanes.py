@@ -54,7 +54,7 @@ class PlaneGas(LatticeGas):
         if self.forcing is not None:
             push = Push(self.forcing.threshold, 1 if channel == 0 else -1, self._packed(inside)[0], self.impulses)
         #: the arguments of the kernel that never change; what a scene does not have is None, and not compiled
-        self._fixed: tuple[Any, ...] = (*rules, push, self._shape)
+        self._fixed: tuple[Any, ...] = (*rules, push, self._shape, self.passes)
 
     @property
     def sites(self) -> np.ndarray:

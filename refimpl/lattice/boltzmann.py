@@ -44,6 +44,8 @@ class BoltzmannLattice:
         self.model = model
         self.f = np.array(f, dtype=np.float64, order="C")  # the order of sums over it
         self.time = 0
+        #: how often the sites of each row have been computed
+        self.passes = np.zeros(self.f.shape[0], dtype=np.int64)
         velocities = model.velocities
         if self.f.ndim != 3 or self.f.shape[2] != model.channels:
             raise ValueError(f"f must have the shape (rows, columns, {model.channels}), got {self.f.shape}")
@@ -84,6 +86,7 @@ class BoltzmannLattice:
                 arrived[sites] = arrived[sites] @ reflection
             self.f = arrived.reshape(self.f.shape)
             self.time += 1
+            self.passes += 1
 
     def _drive(self, fluid: Floats, forcing: Forcing) -> None:
         i, opposite = forcing.channel, self.model.velocities.image(-1, -1)[forcing.channel]

@@ -47,6 +47,8 @@ class Forcing(NamedTuple):
 class LatticeGas(ABC):
     """A lattice gas at `time`, in steps; `impulses` (rows,): particles that the force has turned in each row.
 
+    passes: (rows,) how often the sites of each row have been computed.
+
     model: velocity set and collision table. sites: (rows, columns) of states, uint8, bit i for channel i. walls: (rows,
     columns) of rules, sums of REVERSE_X, REVERSE_Y, DRAW_X, DRAW_Y, or None. seed: of collisions, diffusive walls and
     the force, 0 <= seed < 2^63. forcing: the force, or None.
@@ -93,6 +95,7 @@ class LatticeGas(ABC):
         self.forcing = forcing
         self.time = 0
         self.impulses = np.zeros(self.rows, dtype=np.int64)
+        self.passes = np.zeros(self.rows, dtype=np.int64)
 
     @property
     @abstractmethod

@@ -57,6 +57,7 @@ class LookupGas(LatticeGas):
             self.walls,
             force,
             self.impulses,
+            self.passes,
             np.uint64(self.seed),
             self.time,
             steps,
@@ -67,7 +68,7 @@ class LookupGas(LatticeGas):
 
 
 @compiled(cache=True)
-def _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time):  # type: ignore[no-untyped-def]
+def _step(sites, target, moves, table, mirrors, walls, force, impulses, passes, seed, time):  # type: ignore[no-untyped-def]
     rows, columns = sites.shape
     outcomes, numbers, number_of_draws = table
     arrived = np.empty(columns, dtype=np.uint8)
@@ -92,6 +93,7 @@ def _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, ti
                     state ^= 1 << channel | 1 << back
                     impulses[y] += 1
             target[y, x] = outcomes[state, _choice(numbers[state], number_of_draws, key, x)]
+        passes[y] += 1
 
 
 @compiled(cache=True)
@@ -140,9 +142,9 @@ def _reflected(state, rule, mirrors, seed, time, y, x):  # type: ignore[no-untyp
 
 @compiled(cache=True, nogil=True)
 def _advance(  # type: ignore[no-untyped-def]
-    sites, target, moves, table, mirrors, walls, force, impulses, seed, start, steps
+    sites, target, moves, table, mirrors, walls, force, impulses, passes, seed, start, steps
 ):
     """The last state is in `target` after an odd number of steps, in `sites` after an even one."""
     for time in range(start, start + steps):
-        _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time)
+        _step(sites, target, moves, table, mirrors, walls, force, impulses, passes, seed, time)
         sites, target = target, sites

@@ -51,6 +51,7 @@ class PlainGas(LatticeGas):
 
     def _propagated(self) -> np.ndarray:
         velocities = self.model.velocities
+        self.passes += 1
         arrived = np.zeros_like(self._sites)
         for i, (_, b) in enumerate(velocities.integers):
             moving = np.roll(self._sites & np.uint8(1 << i), b, axis=0)

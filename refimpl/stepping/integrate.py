@@ -26,6 +26,7 @@ from refimpl.stepping.forces.generic import (
     energy_and_virial,
     enlarge,
     kinetic_energy,
+    operations,
     periods,
     renew,
     status,
@@ -147,7 +148,8 @@ class Integration:
     r, v: final state, flat. steps: taken before the end or the divergence. diverged: stopped by a state that is not
     finite, or in which the force found a particle lost.
     positions, velocities: (samples, N*d), or fewer coordinates if asked so, or None. thermo: (samples, 3), columns K,
-    U, W, or None. evaluations: of the force, exactly. force: with its work arrays as they ended. state: all that
+    U, W, or None. evaluations: of the force, as it counts them, or the scheme's number where it does not. operations:
+    of this integration, see `forces.generic.operations`. force: with its work arrays as they ended. state: all that
     decides how it would go on, with the memory of the scheme.
     """
 
@@ -159,6 +161,7 @@ class Integration:
     velocities: np.ndarray | None
     thermo: np.ndarray | None
     evaluations: int
+    operations: dict[str, int]
     force: Force
     state: dict[str, Any]
 
@@ -221,6 +224,7 @@ def integrate(
         start = away.true(r)
     while (excess := away.excess(r)) is not None:
         r = r - excess
+    before_all = operations(force)
     while starts:
         # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
@@ -260,6 +264,7 @@ def integrate(
         force = deepcopy(force)  # the one of the state belongs to its coordinates
         renew(force)
         r = away.true(r) if done else start
+    counted = {name: count - before_all[name] for name, count in operations(force).items()}
     diverged = outcome == DIVERGED or not bool(np.isfinite(r).all() and np.isfinite(v).all())
     return Integration(
         r=r,
@@ -269,7 +274,8 @@ def integrate(
         positions=positions if trajectory else None,
         velocities=velocities if trajectory else None,
         thermo=energies,
-        evaluations=starts * table.start_evaluations + done * table.evaluations,
+        evaluations=counted.get("evaluations", starts * table.start_evaluations + done * table.evaluations),
+        operations=counted,
         force=force,
         state=end,
     )

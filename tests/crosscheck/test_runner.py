@@ -402,7 +402,7 @@ class OneRun:
     def __init__(self, result: Run) -> None:
         self.result = result
 
-    def worker(self, name: str) -> Any:
+    def worker(self, name: str, interpreted: bool = False) -> Any:
         return SimpleNamespace(run=lambda scene, method: self.result)
 
 

@@ -94,8 +94,8 @@ def _oscillator_floor(scheme: str, steps: float) -> float:
 _EVALUATIONS = Fault(
     "evaluations-of-the-start",
     "stepping/integrate.py",
-    "evaluations=starts * table.start_evaluations + done * table.evaluations",
-    "evaluations=done * table.evaluations",
+    "starts * table.start_evaluations + done * table.evaluations",
+    "done * table.evaluations",
     "the evaluations of the start are not counted",
 )
 _ECCENTRICITY = 0.5

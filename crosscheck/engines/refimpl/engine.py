@@ -131,8 +131,8 @@ class RefimplEngine:
         capability("lattice_gas", "lattice", words=_GASES, observables="populations h_function", schemes=(BOLTZMANN,)),
     )
     #: Speeds that it is held to, against the peers that the checks name; that thousands of steps of some hundred
-    #: particles take seconds; and that its kernels run as plain Python too.
-    promises = ("speed", "long_runs", "interpretable")
+    #: particles take seconds; that its kernels run as plain Python too; and that it counts its operations.
+    promises = ("speed", "long_runs", "interpretable", "operations")
 
     def version(self) -> str:
         import numba

@@ -18,6 +18,7 @@ from crosscheck.engines.refimpl.continuation import Continuation, absolute_times
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.errors import UsageError
 from crosscheck.scene import AXES, Floats, Scene, State
+from crosscheck.scene.observables import OPERATIONS
 from refimpl.events import model as events
 from refimpl.events.naive import CYLINDER_FACE, Naive
 from refimpl.events.simulation import Simulation
@@ -89,6 +90,8 @@ def run_events(scene: Scene, scheduler: Any, ends: Continuation | None = None) -
             _advance(sim, pace, end, None)
     run.stopped = run.stopped or sim.stopped
     run.cost.events = sim.events - before.events
+    if "operation_counts" in run:
+        _count_operations(run)
     run.remarks = _remarks(sim)
     if ends is not None and not run.stopped:
         ends.leave({"end": end if output.collisions is None else sim.time, "simulation": sim.snapshot()})
@@ -107,6 +110,15 @@ def run_events(scene: Scene, scheduler: Any, ends: Continuation | None = None) -
     if "potential_energy_integral" in run:
         run["potential_energy_integral"] -= height * times
     return run
+
+
+def _count_operations(run: Run) -> None:
+    """The operations since the start, at the last sample that there is, into the cost."""
+    sampled = run["operation_counts"][~np.isnan(run["operation_counts"]).any(axis=1)]
+    counts = dict(zip(OPERATIONS, (sampled[-1] - sampled[0]).astype(int).tolist(), strict=True))
+    cost = run.cost
+    cost.comparisons, cost.predictions = counts["tree_comparisons"], counts["predictions"]
+    cost.cell_crossings, cost.stale_events = counts["cell_crossings"], counts["invalid_events"]
 
 
 def _advance(sim: Any, pace: Pace, until: float, collisions: int | None) -> None:

@@ -60,6 +60,8 @@ def run_lattice(scene: Scene, scheme: str, evolver: str, ends: Continuation | No
     if "sites" in scene.output.observables:
         run["sites"] = gas.sites
     cost.steps = int(scene.duration)
+    assert scene.lattice_gas is not None
+    cost.site_updates = int(gas.passes.sum()) * scene.lattice_gas.columns
     if ends is not None:
         ends.leave(_state(gas))
     return run

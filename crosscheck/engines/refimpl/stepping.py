@@ -76,6 +76,8 @@ def integrated(
     if ends is not None and not done.diverged:
         ends.leave(done.state)
     cost.steps, cost.evaluations = done.steps, done.evaluations
+    for name, count in done.operations.items():
+        setattr(cost, name, count)
     return done, cost
 
 

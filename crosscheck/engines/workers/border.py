@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import reprlib
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from numbers import Real
 from typing import Any, get_args
 
@@ -27,7 +27,7 @@ LONGEST_TEXT = 2000
 #: Largest number of remarks of a run.
 MOST_REMARKS = 100
 #: What an engine may promise, see `docs/engines.md`.
-PROMISES = ("speed", "long_runs", "interpretable")
+PROMISES = ("speed", "long_runs", "interpretable", "operations")
 #: Largest cost that is believed: 30 years in seconds, and what a signed 64-bit integer holds.
 _LONGEST_TIME = 1e9
 _LARGEST_COUNT = 2**63 - 1
@@ -207,7 +207,7 @@ def outcome(run: object) -> tuple[dict[str, Any], dict[str, Any]]:
     return dict(dict.items(run)), {
         "diverged": bool(values["diverged"]),
         "stopped": capped(str(stopped)),
-        "cost": asdict(cost(values["cost"])),
+        "cost": cost(values["cost"]).known(),
         "remarks": [_text(one, "run.remarks holds", "give whole sentences") for one in remarks],
     }
 
@@ -219,7 +219,9 @@ def cost(given: object) -> Cost:
     found: dict[str, Any] = {}
     for entry in fields(Cost):
         value = getattr(given, entry.name)
-        whole = entry.type in (int, "int")
+        if value is None and entry.default is None:
+            continue
+        whole = entry.type != "float"
         number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
         if not number or not 0 <= value <= (_LARGEST_COUNT if whole else _LONGEST_TIME) or (whole and value % 1):
             what = "a whole number from 0 to 2^63 - 1" if whole else "seconds from 0 to 1e9"

@@ -133,13 +133,14 @@ def seal(planes, shape):  # type: ignore[no-untyped-def]
 
 @compiled(cache=True, nogil=True)
 def advance(  # type: ignore[no-untyped-def]
-    model, source, target, walls, wall_draws, push, shape, stretch, seed, step, steps
+    model, source, target, walls, wall_draws, push, shape, passes, stretch, seed, step, steps
 ):
     """The rows of `stretch`, (first, end), by `steps` steps from `step` on; more than one step only for all rows.
 
     source, target: planes; the last state is in `target` after an odd number of steps, in `source` after an even one.
     walls: None or planes (reverse x, reverse y); wall_draws: None or planes of the sites that reverse x, y with
     probability 1/2. push: None or `Push`. shape: rows, columns, words of a row, stride of the rows, size of a plane.
+    passes: (rows,), to which 1 is added for each row computed.
     """
     first, last = stretch
     rows, columns, words, stride, size = shape
@@ -183,6 +184,7 @@ def advance(  # type: ignore[no-untyped-def]
             if push is not None:
                 push.impulses[row] += count
             _seal(target, channels, here, size, columns)
+            passes[row] += 1
         source, target = target, source
 
 

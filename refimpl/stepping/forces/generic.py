@@ -82,6 +82,14 @@ def periods(force: Force) -> np.ndarray | None:
 
 
 @dispatched()
+def operations(force: Force) -> dict[str, int]:
+    """What was done so far, by name, of what is counted: `evaluations` of the accelerations that succeeded;
+    `pair_tests`, distances of pairs computed by them; `list_builds` and `list_prunings`, and `list_tests`, distances
+    computed by these. Called from Python only."""
+    return {}
+
+
+@dispatched()
 def renew(force: Force) -> None:
     """Lets the next evaluation find its pairs anew, as the first one did.
 

@@ -43,14 +43,19 @@ from refimpl.stepping.forces.generic import (
     energy_and_virial,
     enlarge,
     kinetic_energy,
+    operations,
     periods,
     renew,
     status,
 )
 from refimpl.stepping.kernels.contacts import (
+    BUILDS,
+    EVALUATIONS,
+    LIST_TESTS,
     LISTED,
     NEEDED,
     NO_LIMIT,
+    PAIR_TESTS,
     STATUS,
     ContactModel,
     elastic_energy,
@@ -255,7 +260,7 @@ def grains(
         stretches=stretches,
         wall_stretches=np.zeros((len(rows) + 1, number if rough else 0, 3)),
         clock=np.full(1, np.nan),
-        bookkeeping=np.zeros(5, dtype=np.int64),
+        bookkeeping=np.zeros(8, dtype=np.int64),
     )
 
 
@@ -337,6 +342,16 @@ def _enlarge(force: Grains) -> Grains:
     # the smaller force may be used again: nothing that says what is in the arrays is shared with it
     own = {name: getattr(force, name).copy() for name in ("bookkeeping", "built", "clock", "wall_stretches")}
     return force._replace(pairs=pairs, reach2=reach2, touching=touching, stretches=stretches, **own)
+
+
+@implements(operations, Grains)
+def _operations(force: Grains) -> dict[str, int]:
+    return {
+        "evaluations": int(force.bookkeeping[EVALUATIONS]),
+        "pair_tests": int(force.bookkeeping[PAIR_TESTS]),
+        "list_builds": int(force.bookkeeping[BUILDS]),
+        "list_tests": int(force.bookkeeping[LIST_TESTS]),
+    }
 
 
 @implements(periods, Grains)

@@ -33,6 +33,7 @@ from refimpl.stepping.forces.generic import (
     energy_and_virial,
     enlarge,
     kinetic_energy,
+    operations,
     periods,
     potential_energy,
     renew,
@@ -42,7 +43,9 @@ from refimpl.stepping.forces.generic import (
 from refimpl.stepping.kernels.lennard_jones import between_walls, tile_accelerations, tile_energy, wall_energy
 from refimpl.stepping.kernels.neighbours import (
     BUILDS,
+    PRUNES,
     STATUS,
+    TESTS,
     VALID,
     Neighbours,
     copy_to_slots,
@@ -50,6 +53,7 @@ from refimpl.stepping.kernels.neighbours import (
     neighbours,
     update,
 )
+from refimpl.stepping.kernels.simd import WIDTH
 from refimpl.stepping.kernels.sums import sum_of_squares
 
 TRUNCATIONS = ("truncated", "shifted", "force_shifted")
@@ -64,6 +68,7 @@ SKIN = 0.8
 #: Indices of `LennardJones.counters`.
 LIST_BUILDS = 0
 FORCE_EVALUATIONS = 1
+PAIR_TESTS = 2  # distances computed by these evaluations
 
 
 class Walls(NamedTuple):
@@ -92,7 +97,7 @@ class LennardJones(NamedTuple):
     species: (N,) indices into species_epsilon, species_sigma. slot_size, slot_strength: sigma/2 and sqrt(epsilon) of
     the particle in each slot of the lists, in a mixture. shift_energy, shift_force: True where the truncation asks for
     it. mass: common, not 1; masses: (N,). walls: on the faces 0 and lengths[k] of the axes k that are not periodic.
-    neighbours: the lists. counters: (2,), see LIST_BUILDS and FORCE_EVALUATIONS.
+    neighbours: the lists. counters: (3,), see LIST_BUILDS and the names after it.
     """
 
     lengths: tuple[float, ...]
@@ -229,7 +234,7 @@ def lennard_jones(
         masses=masses.copy() if one_mass is None else None,
         walls=walls,
         neighbours=lists,
-        counters=np.zeros(2, dtype=np.int64),
+        counters=np.zeros(3, dtype=np.int64),
     )
     return _with_slots(force)
 
@@ -401,7 +406,7 @@ def _accelerate(force: LennardJones, r: np.ndarray, v: np.ndarray) -> np.ndarray
     if not _lists_are_valid_for(force, r):
         return np.full(r.size, np.nan)
     a = np.empty(r.size)
-    tile_accelerations(force, r, a)
+    force.counters[PAIR_TESTS] += tile_accelerations(force, r, a)
     force.counters[FORCE_EVALUATIONS] += 1
     return a
 
@@ -462,6 +467,18 @@ def _enlarge(force: LennardJones) -> LennardJones:
     # counters of its own: those that it shared would say that the new, empty slots have been filled
     larger = force._replace(neighbours=enlarge_neighbours(force.neighbours), counters=force.counters.copy())
     return _with_slots(larger)
+
+
+@implements(operations, LennardJones)
+def _operations(force: LennardJones) -> dict[str, int]:
+    bookkeeping = force.neighbours.bookkeeping
+    return {
+        "evaluations": int(force.counters[FORCE_EVALUATIONS]),
+        "pair_tests": int(force.counters[PAIR_TESTS]),
+        "list_builds": int(bookkeeping[BUILDS]),
+        "list_prunings": int(bookkeeping[PRUNES]),
+        "list_tests": WIDTH * int(bookkeeping[TESTS]),
+    }
 
 
 @implements(periods, LennardJones)

@@ -24,8 +24,9 @@ AXIS, SIGN, PLACE, AMPLITUDE, FREQUENCY, PHASE, WALL_LAW = range(7)
 #: Places of the numbers in the row of a cylinder; its law follows.
 RADIUS, CENTRE_A, CENTRE_B, AXIS_A, AXIS_B, ANGULAR_VELOCITY, CYLINDER_LAW = range(7)
 #: Places of the numbers in the bookkeeping of a list: outcome of the last evaluation; 1 when the list is good for the
-#: positions `built`; pairs in it; lists made so far; pairs for which there was no room.
-STATUS, LISTED, PAIRS, BUILDS, NEEDED = range(5)
+#: positions `built`; pairs in it; lists made so far; pairs for which there was no room; so far, evaluations of all
+#: forces, distances of pairs computed by them, and to make lists.
+STATUS, LISTED, PAIRS, BUILDS, NEEDED, EVALUATIONS, PAIR_TESTS, LIST_TESTS = range(8)
 #: A stretch whose spring force along the normal is below this share of Coulomb's limit is not rotated, as in LAMMPS.
 _SLIGHT = 1e-10
 #: Coulomb coefficient that stands for no limit: no force of a contact reaches it.
@@ -217,7 +218,7 @@ def _find_pairs(force, r):  # type: ignore[no-untyped-def]
         cell = (place[i, 0] * cells[1] + place[i, 1]) * cells[2] + place[i, 2]
         following[i] = first[cell]
         first[cell] = i + 1
-    found = 0
+    found, tests = 0, 0
     near, count = np.empty((3, 3), dtype=np.int64), np.zeros(3, dtype=np.int64)
     for i in range(number):
         for k in range(3):
@@ -240,12 +241,14 @@ def _find_pairs(force, r):  # type: ignore[no-untyped-def]
                     j = first[(near[0, x] * cells[1] + near[1, y]) * cells[2] + near[2, z]] - 1
                     while j >= 0:
                         touch = radii[i] + radii[j]
+                        tests += j > i
                         if j > i and _apart2(sides, r, i, j) < ((touch + skin) / SAFE) ** 2:
                             if found < len(pairs):
                                 pairs[found, 0], pairs[found, 1] = i, j
                                 reach2[found] = touch * touch
                             found += 1
                         j = following[j] - 1
+    force.bookkeeping[LIST_TESTS] += tests
     return found
 
 
@@ -481,6 +484,8 @@ def grain_accelerations(force, r, v, a):  # type: ignore[no-untyped-def]
         for k in range(len(a)):
             a[k] = np.nan
         return
+    force.bookkeeping[EVALUATIONS] += 1
+    force.bookkeeping[PAIR_TESTS] += force.bookkeeping[PAIRS]
     ends = len(r) - auxiliary
     time = r[ends]
     # an evaluation at the time of the last one is a repeated one, or the first

@@ -190,14 +190,16 @@ def _divide(force, mass, masses, particle):  # type: ignore[no-untyped-def]
 def tile_accelerations(force, r, a):  # type: ignore[no-untyped-def]
     """Accelerations `a` of the particles at the coordinates `r`, both of shape (N*d,), from valid lists.
 
-    force: `LennardJones`.
+    force: `LennardJones`. Returns the number of distances computed.
     """
     neighbours, mass, masses, walls, lengths = force.neighbours, force.mass, force.masses, force.walls, force.lengths
     packed, tiles, first, entries = neighbours.packed, neighbours.tiles, neighbours.first, neighbours.entries
     sides, order = neighbours.sides, neighbours.order
     dimension, pairs = len(sides), _pairs(force)
     forces = np.empty(3 * WIDTH)
+    tests = 0
     for tile in range(len(first) - 1):
+        tests += WIDTH * (WIDTH + first[tile + 1] - first[tile])
         members = _tile(tiles, dimension, pairs, tile)
         f = zeros(), zeros(), zeros()
         for lane in range(WIDTH):
@@ -212,6 +214,7 @@ def tile_accelerations(force, r, a):  # type: ignore[no-untyped-def]
             for k in range(dimension):
                 wall = _wall_force(walls, sides, lengths, k, r[particle * dimension + k])
                 a[particle * dimension + k] = _divide(forces[k * WIDTH + lane] + wall, mass, masses, particle)
+    return tests
 
 
 @inline_internal

@@ -46,6 +46,7 @@ PRUNES = 3  # number of times that the close lists were picked from them
 BLOCKS = 4  # image blocks in use, or needed when there were too few
 SLOTS = 5  # slots in use with the images, or needed when there were too few
 ENTRIES = 6  # wide list entries in use, or those needed by the first tile that did not fit
+TESTS = 7  # distances computed so far to make lists, of a slot from the eight particles of a tile
 
 #: Permitted displacements shrink by this factor, and list radii grow by it: rounding must not hide a pair.
 SAFE = 1 - 1e-9
@@ -176,7 +177,7 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
         image_offset=np.zeros(blocks, dtype=np.int64),
         blocks=np.zeros(2 * blocks, dtype=np.int64),
         block_shift=np.zeros(3 * blocks),
-        bookkeeping=np.zeros(7, dtype=np.int64),
+        bookkeeping=np.zeros(8, dtype=np.int64),
     )
 
 
@@ -327,6 +328,7 @@ def _prune(neighbours: Neighbours) -> None:
             found += any_lane(_distance2(packed, neighbours.sides, np.int64(j), xi, yi, zi) < reach2)
     first[len(first) - 1] = found
     neighbours.bookkeeping[PRUNES] += 1
+    neighbours.bookkeeping[TESTS] += wide_first[len(first) - 1]
 
 
 @internal
@@ -570,6 +572,7 @@ def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
     reach2 = reach * reach
     columns_b = grid.b.cells + 2 * grid.b.around
     found = 0
+    tests = 0
     for tile in range(len(first) - 1):
         first[tile] = found
         base = tile * WIDTH * dimension
@@ -608,12 +611,14 @@ def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
                     if found + end - slot > len(entries):
                         neighbours.bookkeeping[ENTRIES] = found + end - slot
                         return False
+                    tests += end - slot
                     for j in range(slot, end):
                         entries[found] = j
                         near = any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
                         found += near & (j // WIDTH != tile)
     first[len(first) - 1] = found
     neighbours.bookkeeping[ENTRIES] = found
+    neighbours.bookkeeping[TESTS] += tests
     return True
 
 

@@ -15,6 +15,7 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     enlarge,
     kinetic_energy,
+    operations,
     potential_energy,
     status,
     virial,
@@ -425,6 +426,17 @@ def test_counters_are_exact():
     potential_energy(force, r + 1.01)
     assert force.counters[LIST_BUILDS] == 2
     assert force.counters[FORCE_EVALUATIONS] == 5
+    counts = operations(force)
+    # two particles fill one tile of eight, and are not in its list
+    assert counts == {
+        "evaluations": 5,
+        "pair_tests": 5 * 64,
+        "list_builds": 2,
+        "list_prunings": 2,
+        "list_tests": counts["list_tests"],
+    }
+    # two slots for each of the two lists, from the eight places of the tile
+    assert 2 * 2 * 8 <= counts["list_tests"] <= 2 * 8 * 8
 
 
 @pytest.mark.parametrize("mass", [1.0, 3.0, np.array([1.0, 3.0, 2.0])], ids=["one", "common", "each"])
