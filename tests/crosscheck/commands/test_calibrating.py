@@ -45,16 +45,22 @@ def test_the_table_is_printed_and_written(
     row = next(line for line in printed.splitlines() if line.startswith("| a/b/one [refimpl] | x | 200 | 24 |"))
     assert row in written
     assert "1 quantities, 200 judgements: " in written
-    assert "p-values of 0 not uniform" in written
+    assert "p-values of 0 too small, of 0 too large to be uniform" in written
     assert written.startswith("`crosscheck ")
 
 
-def test_errors_that_are_too_small_are_found(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(("scale", "status", "word"), [(0.5, 1, "small"), (2.0, 0, "large")])
+def test_errors_that_are_too_small_or_too_large_are_found(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    scale: float,
+    status: int,
+    word: str,
 ) -> None:
-    offered(monkeypatch, drawn, 0.5)
-    assert calibrate([], "quick", ["refimpl"], 200, 1, tmp_path / "table.md") == 1
-    assert "not uniform: x" in capsys.readouterr().out
+    offered(monkeypatch, drawn, scale)
+    assert calibrate([], "quick", ["refimpl"], 200, 1, tmp_path / "table.md") == status
+    assert f"p-values too {word}: x" in capsys.readouterr().out
 
 
 def test_an_error_is_no_calibration(

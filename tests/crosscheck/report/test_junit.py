@@ -36,7 +36,9 @@ def test_counts(lines, suite):
 def test_false_alarms_of_the_run_are_a_property(lines, suite):
     one = suite.find("properties/property[@name='false alarms']")
     number = sum(judged["criterion"]["kind"] == "statistical" for line in lines for judged in line["judgements"])
-    assert one.get("value").startswith(f"{number} statistical judgements, each red with the probability 1e-06 of a right")
+    assert one.get("value").startswith(
+        f"{number} statistical judgements, each red with the probability 1e-06 of a right"
+    )
 
 
 def test_names(suite):
