@@ -66,16 +66,22 @@ def calibrate(
             for found in _calibrations(verdicts):
                 rows.append((name, found))
                 print(_row(name, found), flush=True)
+            _write(out, rows, troubles)  # after each case: a run that is ended early leaves what it has
     runner.close_pools()
     if not rows and not troubles:
         raise UsageError("nothing is judged statistically in these cases; see `crosscheck show`")
     summary, good = _summary([found for _, found in rows], troubles)
     print(summary)
+    return 0 if good else 1
+
+
+def _write(out: Path, rows: list[tuple[str, Calibration]], troubles: list[str]) -> None:
+    """Writes the command, the table and what it says."""
     command = shlex.join(["crosscheck", *sys.argv[1:]])
     table = "\n".join([*_HEAD, *(_row(name, found) for name, found in rows)])
+    summary, _ = _summary([found for _, found in rows], troubles)
     with naming(out):
         out.write_text(f"`{command}`\n\n{table}\n\n{summary}\n", encoding="utf-8")
-    return 0 if good else 1
 
 
 def _statistical(verdict: Verdict) -> dict[str, Judgement]:
