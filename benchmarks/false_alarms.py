@@ -20,6 +20,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
@@ -126,8 +127,23 @@ def by_inefficiency(series: np.ndarray) -> Mean:
     return Mean(float(series.mean()), float((g * series.var() / n) ** 0.5), n / g, n / g - 1)
 
 
-def measure(kind: Kind, estimate: Callable[[np.ndarray], Mean], count: int) -> str:
-    """A row of the table, without the name."""
+class Found(NamedTuple):
+    """red: rates at `LEVELS`, and drift: that of drifts, as multiples of those stated. width: of the tolerance, over
+    that of a known error. undecided: share of inconclusive judgements.
+    """
+
+    red: np.ndarray
+    drift: float
+    width: float
+    undecided: float
+
+    def row(self) -> str:
+        """Of the table, without the name."""
+        return " | ".join(f"{value:.2f}" for value in (*self.red, self.drift, self.width, self.undecided))
+
+
+def measure(kind: Kind, estimate: Callable[[np.ndarray], Mean], count: int) -> Found:
+    """What `count` series of a kind tell."""
     rng = np.random.default_rng(2026)
     n = kind.length
     ones, line = np.ones(n) / n, np.linspace(-1, 1, n)
@@ -146,8 +162,7 @@ def measure(kind: Kind, estimate: Callable[[np.ndarray], Mean], count: int) -> s
             limit = student_quantile(DRIFTING, mean.trend.freedom) * mean.trend.error / 2  # the line rises by 2
             drift += beyond(limit, -float(along @ rest), change_scatter)
     width = float(np.median(widths)) / (norm.isf(SUSPICIOUS / 2) * kind.error)
-    rates = [f"{rate / count / level:.2f}" for rate, level in zip(red, LEVELS, strict=True)]
-    return " | ".join([*rates, f"{drift / count / DRIFTING:.2f}", f"{width:.2f}", f"{undecided / count:.2f}"])
+    return Found(red / count / LEVELS, drift / count / DRIFTING, width, undecided / count)
 
 
 def main() -> None:
@@ -161,11 +176,8 @@ def main() -> None:
     print("|---|---|---|---|---|---|---|---|---|")
     for kind in KINDS:
         for name, estimate in estimates.items():
-            if name:
-                label = f"the same, {name} | | "
-            else:
-                label = f"{kind.name} | {kind.length} | {kind.independent:.0f}"
-            print(f"| {label} | {measure(kind, estimate, count)} |", flush=True)
+            label = f"the same, {name} | | " if name else f"{kind.name} | {kind.length} | {kind.independent:.0f}"
+            print(f"| {label} | {measure(kind, estimate, count).row()} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import importlib.util
+import sys
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+import crosscheck
 from crosscheck.statistics import (
     Mean,
     Trend,
@@ -18,6 +24,19 @@ from crosscheck.statistics import (
     mean_of_stretches,
     standard_error,
 )
+
+
+@pytest.fixture(scope="module")
+def benchmark_module() -> Any:
+    """benchmarks/false_alarms.py, which has series with known correlations."""
+    path = Path(crosscheck.__path__[0]).parent / "benchmarks" / "false_alarms.py"
+    spec = importlib.util.spec_from_file_location("false_alarms", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # its dataclasses look themselves up there
+    spec.loader.exec_module(module)
+    return module
 
 
 def autoregressive(rho: float, count: int, length: int, seed: int) -> np.ndarray:
@@ -104,6 +123,30 @@ def test_errors_of_trends_cover_what_stationary_series_rise_by(rho: float) -> No
         scatter = (nominal * (1 - nominal) / 300) ** 0.5
         # where rho = 0.9 the error itself is uncertain by a tenth
         assert np.mean(z < sigmas) == pytest.approx(nominal, abs=5 * scatter)
+
+
+@pytest.mark.parametrize(
+    ("name", "length", "most"),
+    [
+        ("first order, tau = 1.25", 50, 1.5),
+        ("first order, tau = 2", 200, 1.5),
+        ("first order, tau = 10", 400, 1.5),
+        ("first order, rho = -0.5", 400, 1.5),
+        ("oscillating, r = 0.97, angle 0.2", 400, 1.5),
+        # 20 and 10 independent samples of the slower part
+        ("0.8 exp(-t) + 0.2 exp(-t/10)", 400, 1.8),
+        ("0.9 exp(-t/2) + 0.1 exp(-t/20)", 400, 2.2),
+        ("(1 + t/2)^-3/2", 400, 2.6),
+    ],
+)
+def test_right_codes_are_red_as_rarely_as_stated(benchmark_module: Any, name: str, length: int, most: float) -> None:
+    """Rates at 1e-2 and 1e-3 and of drifts at 2e-4, as multiples of these, with the scatter of 400 series."""
+    (kind,) = (one for one in benchmark_module.KINDS if (one.name, one.length) == (name, length))
+    found = benchmark_module.measure(kind, correlated_mean, 400)
+    assert found.red[0] < most
+    assert found.red[1] < 1.3 * most
+    assert found.drift < 3 * most
+    assert found.width < 2
 
 
 def test_rounding_errors_are_no_trend() -> None:
