@@ -103,7 +103,9 @@ _CITATION = (
     "Verlet, Phys. Rev. 159, 98 (1967); Swope et al., J. Chem. Phys. 76, 637 (1982); Beeman, J. Comput. Phys. 20, 130 "
     "(1976); Gear, Numerical Initial Value Problems in ODEs (1971); Higham, Accuracy and Stability (2002)"
 )
-_CRITERION = "each within bounds of rounding: of coordinates, terms, sums, and 20 times that of the recurrence in doubles"
+_CRITERION = (
+    "each within bounds of rounding: of coordinates, terms, sums, and 20 times that of the recurrence in doubles"
+)
 
 CHECKS = (
     Check(
@@ -127,7 +129,7 @@ CHECKS = (
             (
                 "beeman",
                 scheme_fault(
-                    "beeman-start",
+                    "beeman-start-position",
                     "return a, accelerate(force, r - dt * v + 0.5 * dt**2 * a, v - dt * a)",
                     "return a, accelerate(force, r - dt * v, v - dt * a)",
                     "the step backwards leaves out the acceleration",

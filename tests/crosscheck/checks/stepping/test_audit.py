@@ -131,5 +131,5 @@ def test_either_leapfrog_is_accepted(scheme: str) -> None:
     problem = audit.problem_of(scene)
     expected = audit.Expected(scene, scheme, 0.1, 5)
     for path in audit.solutions(scheme, problem, r, v, 0.1, 5):
-        errors, bounds = expected.compared(np.arange(6), *(part.astype(float) for part in path))
+        errors, bounds = expected.compared(np.arange(6), *(part.astype(float) for part in path[:2]))
         assert all((abs(e) <= b).all() for e, b in zip(errors, bounds, strict=True))
