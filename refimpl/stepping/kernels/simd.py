@@ -34,6 +34,7 @@ _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, WIDTH)
 _MASK = ir.VectorType(ir.IntType(1), WIDTH)
 _INDEX = ir.IntType(32)
+_ONES = np.ones(WIDTH)
 
 
 class VectorType(types.Type):  # type: ignore[misc]
@@ -109,7 +110,7 @@ def _is_doubles(array: Any) -> bool:
     return isinstance(array, types.Array) and array.dtype == types.float64 and array.layout == "C"
 
 
-@instruction(lambda x: np.full(WIDTH, x))
+@instruction(lambda x: x * _ONES)
 def splat(context, x):  # type: ignore[no-untyped-def]
     """The scalar `x` in every lane."""
     if not isinstance(x, types.Float):
@@ -143,7 +144,7 @@ def load(context, array, i):  # type: ignore[no-untyped-def]
     return vector(array, i), generate
 
 
-@instruction(lambda array, i: np.full(WIDTH, array[i]))
+@instruction(lambda array, i: array[i] * _ONES)
 def load_splat(context, array, i):  # type: ignore[no-untyped-def]
     """`array[i]` of a contiguous float64 array, in every lane."""
     if not (_is_doubles(array) and isinstance(i, types.Integer)):
