@@ -77,6 +77,24 @@ def test_a_published_bug_is_red(bug: str, name: str, quantity: str, monkeypatch:
     assert quantity in red
 
 
+@pytest.mark.parametrize(
+    ("engine", "name", "outcome"),
+    [
+        ("Right", "stepping/few-bodies", "pass"),
+        ("Right", "stepping/few-particles", "pass"),
+        ("SoftenedPower", "stepping/few-bodies", "fail"),
+        ("MassOfAnother", "stepping/few-bodies", "fail"),
+        ("HalfStepVelocities", "stepping/few-bodies", "fail"),
+        ("OneSided", "stepping/few-particles", "fail"),
+        ("HalfStepVelocities", "stepping/few-particles", "fail"),
+    ],
+)
+def test_final_states_of_few_bodies_show_most(
+    engine: str, name: str, outcome: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert [one.outcome for one in judged(getattr(wrong_engines, engine), name, monkeypatch)] == [outcome]
+
+
 def test_an_engine_in_a_file_is_red_by_its_name() -> None:
     engine = f"{wrong_engines.__file__}:SoftenedPower"
     verdict = judge(Case("stepping/gravity-features", "rows-1", engine, False), 0)
