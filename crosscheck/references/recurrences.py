@@ -1,4 +1,4 @@
-"""The integrators' recurrences, written from the literature for any force and number type: what a run's steps must obey.
+"""The integrators' recurrences, from the literature, for any force and number type: what a run's steps must obey.
 
 m r'' = f(r, v) from (r, v) at time 0. Each function gives positions and velocities after 0, 1, ... steps. They share
 nothing with the implementation: Verlet is his two-step relation of the positions, Gear's predictor-corrector acts on
@@ -82,10 +82,9 @@ def _verlet(problem: Problem, r: Any, v: Any, dt: Any, steps: int) -> Path:
     for _ in range(steps):
         last, now = places[-2], places[-1]
         places.append(2 * now - last + dt**2 * problem.acceleration(now, (now - last) / dt))
-    middle = [
-        (now, (after - before) / (2 * dt)) for before, now, after in zip(places, places[1:], places[2:], strict=False)
-    ]
-    return _stacked([(r, v), *middle[1 : steps + 1]])
+    # places[n + 1] is r_n
+    middle = [(places[n + 1], (places[n + 2] - places[n]) / (2 * dt)) for n in range(1, steps + 1)]
+    return _stacked([(r, v), *middle])
 
 
 def _leapfrog(problem: Problem, r: Any, v: Any, dt: Any, steps: int) -> Path:
@@ -189,11 +188,28 @@ MAPS: dict[str, tuple[Callable[[Problem, Any, Any, Any, int], Path], ...]] = {
 }
 
 
-def solutions(scheme: str, problem: Problem, r: Floats, v: Floats, dt: float, steps: int) -> list[Path]:
-    """Positions and velocities, (steps + 1, ...) each, by every map that goes by the name of the scheme.
+class Solution(NamedTuple):
+    """Where a map leads. positions, velocities: (steps + 1, ...) each. evaluations: of the acceleration."""
 
-    scheme: one of `MAPS`, else KeyError. r, v: the start; the arithmetic is that of their type. dt: the time step.
-    steps: how many. Units: any consistent ones. See the module for derivations and literature.
+    positions: Floats
+    velocities: Floats
+    evaluations: int
+
+
+def solutions(scheme: str, problem: Problem, r: Floats, v: Floats, dt: float, steps: int) -> list[Solution]:
+    """Positions and velocities by every map that goes by the name of the scheme.
+
+    scheme: one of `MAPS`, else KeyError. problem: what is solved. r, v: the start; the arithmetic is that of their
+    type. dt: the time step. steps: how many. Units: any consistent ones. See the module for derivations and literature.
     """
     step = np.asarray(r).dtype.type(dt)
-    return [path(problem, r, v, step, steps) for path in MAPS[scheme]]
+    found = []
+    for path in MAPS[scheme]:
+        calls: list[int] = []
+
+        def counted(r: Floats, v: Floats, calls: list[int] = calls) -> Floats:
+            calls.append(1)
+            return problem.acceleration(r, v)
+
+        found.append(Solution(*path(problem._replace(acceleration=counted), r, v, step, steps), len(calls)))
+    return found

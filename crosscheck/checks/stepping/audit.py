@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Laboratory
+from crosscheck.checks.base import Laboratory, Tier
 from crosscheck.engines.capabilities import refusal, scheme_of
 from crosscheck.engines.protocol import Engine, Run
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import Unsupported
 from crosscheck.pairs import Pair, Row, covering
 from crosscheck.references import EPSILON
-from crosscheck.references.recurrences import MAPS, Path, Problem, solutions
+from crosscheck.references.recurrences import MAPS, Problem, Solution, solutions
 from crosscheck.references.smooth_forces import Smooth, accelerations, kinetic_energy, smooth
 from crosscheck.scene import Floats, Method, Output, Scene
 from crosscheck.verdict import Findings, round_off, worst
@@ -68,7 +68,10 @@ class Ledger:
 
 
 def measurable(engine: str, scene: Scene) -> frozenset[str]:
-    """What the engine declares that it measures in scenes of this interaction; engine: its name."""
+    """What an engine declares that it measures in scenes of an interaction.
+
+    engine: its name. scene: of that interaction.
+    """
     capabilities = engine_class(engine).capabilities
     of = [one.observables for one in capabilities if one.interaction == scene.interaction and one.kind == "stepping"]
     return frozenset().union(*of)
@@ -77,7 +80,7 @@ def measurable(engine: str, scene: Scene) -> frozenset[str]:
 def asking(engine: str, scene: Scene, interval: float, *, trajectory: bool = True) -> Scene:
     """`scene`, asking for all that the engine measures of energies, forces and, with `trajectory`, states.
 
-    interval: time between samples.
+    engine: its name. interval: time between samples.
     """
     known = measurable(engine, scene)
     return scene.changed(
@@ -91,7 +94,10 @@ def asking(engine: str, scene: Scene, interval: float, *, trajectory: bool = Tru
 
 
 def run_or_refuse(laboratory: Laboratory, ledger: Ledger, scene: Scene, method: Method) -> Run | None:
-    """The run of a scene; None if the engine does not know it, which the ledger notes."""
+    """The run of a scene; None if the engine does not know it, which the ledger notes.
+
+    laboratory: runs it. method: with which scheme and step.
+    """
     reason = refusal(engine_class(laboratory.engine), scene, method)
     if reason is None:
         try:
@@ -111,17 +117,16 @@ def run_or_refuse(laboratory: Laboratory, ledger: Ledger, scene: Scene, method: 
 def audit_samples(ledger: Ledger, scene: Scene, run: Run, where: str) -> None:
     """Energies, virial and forces of a run against sums over all pairs at its own positions and velocities.
 
-    scene: that `run` is of. where: the scene, in words. Without a trajectory, start and end alone.
+    ledger: keeps the errors. scene: that `run` is of. where: the scene, in words. Without a trajectory, start and end
+    alone.
     """
     state = scene.initial_state()
     positions, velocities = run.get("positions"), run.get("velocities")
     samples: dict[int, tuple[Floats, Floats]] = {0: (state.positions, state.velocities)}
     if positions is not None and velocities is not None:
         # an engine may keep momenta, or other units: a rounding or two
-        for name, given, found in (
-            ("positions", state.positions, positions),
-            ("velocities", state.velocities, velocities),
-        ):
+        start = {"positions": (state.positions, positions), "velocities": (state.velocities, velocities)}
+        for name, (given, found) in start.items():
             ledger.note(f"{name} of the start", found[0] - given, 2 * EPSILON * abs(given) + 1e-300, where)
         samples.update(enumerate(zip(positions, velocities, strict=True)))
         ledger.note("last sample of the positions", positions[-1] - run["final_positions"], 1e-300, where)
@@ -141,7 +146,8 @@ def audit_samples(ledger: Ledger, scene: Scene, run: Run, where: str) -> None:
             value, bound = expected[name]
             ledger.note(name, run[name][sample] - value, bound, where)
     if "forces" in run:
-        friction = 0.0 if scene.spring is None else (scene.spring.gamma or 0.0) * v
+        gamma = 0.0 if scene.spring is None or scene.spring.gamma is None else scene.spring.gamma
+        friction: Floats = gamma * np.asarray(v)
         bound = exact.forces_error[:, None] + 4 * EPSILON * abs(friction)
         ledger.note("forces", run["forces"] - (exact.forces - friction), bound, where)
 
@@ -150,7 +156,10 @@ def audit_samples(ledger: Ledger, scene: Scene, run: Run, where: str) -> None:
 
 
 def problem_of(scene: Scene, *, extended: bool = True) -> Problem:
-    """The equation of motion of a scene; springs know the higher derivatives. extended: in long double, or in double."""
+    """The equation of motion of a scene; springs know the higher derivatives.
+
+    extended: in long double, or in double.
+    """
 
     def acceleration(r: Floats, v: Floats) -> Floats:
         return accelerations(scene, r, v, extended=extended)
@@ -183,32 +192,33 @@ class Expected:
         kick = dt * float((first.forces_error / masses).max()) * count
         self._bounds: list[tuple[Floats, Floats]] = []
         for exact, doubled in zip(self._paths, rounded, strict=True):
-            apart = [abs(a - b).max(axis=(1, 2)) for a, b in zip(exact, doubled, strict=True)]
-            size = [float(abs(part).max()) for part in exact]
-            lever = size[0] / dt if scheme == "verlet" else 0.0
-            self._bounds.append(
-                (
-                    _SCATTER * np.maximum.accumulate(apart[0])
-                    + 8 * EPSILON * size[0] * (1 + count)
-                    + kick * dt * count,
-                    _SCATTER * np.maximum.accumulate(apart[1]) + 8 * EPSILON * (size[1] * (1 + count) + lever) + kick,
-                )
+            r, v = (
+                _SCATTER * np.maximum.accumulate(abs(a - b).max(axis=(1, 2)))
+                for a, b in ((exact.positions, doubled.positions), (exact.velocities, doubled.velocities))
             )
+            far, fast = float(abs(exact.positions).max()), float(abs(exact.velocities).max())
+            lever = far / dt if scheme == "verlet" else 0.0
+            r = r + 8 * EPSILON * far * (1 + count) + kick * dt * count
+            self._bounds.append((r, v + 8 * EPSILON * (fast * (1 + count) + lever) + kick))
 
-    def compared(self, samples: Any, r: Floats, v: Floats) -> tuple[Path, Path]:
+    def miscounted(self, evaluations: int) -> int:
+        """By how many evaluations of the force a count is off, of the map that is nearest."""
+        return min((evaluations - path.evaluations for path in self._paths), key=abs)
+
+    def compared(self, samples: Any, r: Floats, v: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
         """Errors and bounds of positions and velocities, each (samples, N, d), by the map that is nearest.
 
         samples: numbers of the steps after which r and v, (samples, N, d), are the state.
         """
         found = []
         for path, bounds in zip(self._paths, self._bounds, strict=True):
-            errors = r - path[0][samples], v - path[1][samples]
+            errors = r - path.positions[samples], v - path.velocities[samples]
             limits = tuple(np.broadcast_to(bound[samples][:, None, None], r.shape) for bound in bounds)
             share = max(float(np.max(abs(e) / b)) for e, b in zip(errors, limits, strict=True))
             found.append((np.inf if np.isnan(share) else share, (errors, (limits[0], limits[1]))))
         return min(found, key=lambda one: one[0])[1]
 
-    def path(self) -> tuple[Path, tuple[Floats, Floats]]:
+    def path(self) -> tuple[Solution, tuple[Floats, Floats]]:
         """Positions and velocities by the first map, (steps + 1, N, d) each, and their bounds, (steps + 1,) each."""
         return self._paths[0], self._bounds[0]
 
@@ -216,14 +226,17 @@ class Expected:
 def audit_steps(ledger: Ledger, expected: Expected, run: Run, steps: int, every: int, where: str) -> None:
     """The states of a run against the recurrence of its scheme.
 
-    expected: of the scheme, for the run's start and step. steps: of the run. every: steps between samples. where: the
-    scene, in words.
+    ledger: keeps the errors. expected: of the scheme, for the run's start and step. steps: of the run. every: steps
+    between samples. where: the scene, in words.
     """
     if "positions" in run and "velocities" in run:
         numbers = np.arange(0, steps + 1, every)
         errors, bounds = expected.compared(numbers, run["positions"], run["velocities"])
     else:
         errors, bounds = expected.compared([steps], run["final_positions"][None], run["final_velocities"][None])
+    if run.cost.evaluations and run.cost.steps:  # an engine that does not count says 0
+        ledger.note("steps counted", run.cost.steps - steps, 0.5, where)
+        ledger.note("evaluations of the force counted", expected.miscounted(run.cost.evaluations), 0.5, where)
     ledger.note("positions, step by step", errors[0], bounds[0], where)
     ledger.note("velocities, step by step", errors[1], bounds[1], where)
 
@@ -231,9 +244,10 @@ def audit_steps(ledger: Ledger, expected: Expected, run: Run, steps: int, every:
 def audit_energies(ledger: Ledger, scene: Scene, expected: Expected, run: Run, every: int, where: str) -> None:
     """Energies and virial of a run against those of the expected states, which an engine need not have recorded.
 
-    scene: that `run` is of. expected: of its scheme. every: steps between samples. where: the scene, in words.
+    ledger: keeps the errors. scene: that `run` is of. expected: of its scheme. every: steps between samples. where: the
+    scene, in words.
     """
-    (positions, velocities), (apart, slower) = expected.path()
+    (positions, velocities, _), (apart, slower) = expected.path()
     masses = scene.initial_state().masses
     for sample in range(len(run["time"])):
         step = sample * every
@@ -256,8 +270,8 @@ def audit_energies(ledger: Ledger, scene: Scene, expected: Expected, run: Run, e
 class Features:
     """Features of scenes, combined into rows in which every pair of them occurs.
 
-    factors: the levels of each feature, the first one its absence. valid: whether a row makes sense. scene_of: the scene
-    of a row and a seed, without what it records. dt, steps: of a run. seed: of the choice among rows.
+    factors: the levels of each feature, the first one its absence. valid: whether a row makes sense. scene_of: the
+    scene of a row and a seed, without what it records. dt, steps: of a run. seed: of the choice among rows.
     """
 
     factors: Mapping[str, tuple[str, ...]]
@@ -332,3 +346,11 @@ def audit_rows(laboratory: Laboratory, features: Features, chunk: int, chunks: i
 def has_recurrence(scheme: str) -> bool:
     """Whether the steps of a scheme of this name can be judged one by one; scheme: its name."""
     return scheme in MAPS
+
+
+def tier_beside_audits(*kept: str) -> Callable[[str], Tier]:
+    """The tier, by a scheme's name, of a check that shows over many steps what the audits judge in each of them.
+
+    The full tier, but for the schemes `kept`, which show the phenomenon, and those without a recurrence.
+    """
+    return lambda scheme: "full" if has_recurrence(scheme) and scheme not in kept else "quick"

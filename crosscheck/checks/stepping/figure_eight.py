@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.checks.stepping.faults import gravity_fault, scheme_fault
-from crosscheck.checks.stepping.orbits import SIGMAS, nominal_order, tier_of
+from crosscheck.checks.stepping.orbits import SIGMAS, nominal_order
 from crosscheck.checks.stepping.three_bodies import (
     CITATION,
     EQUATION,
@@ -27,6 +28,7 @@ from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off, within, worst
 
 EIGHT = three_body_scene("figure-eight", FIGURE_EIGHT)
+_tier = tier_beside_audits("velocity_verlet", "gear5")
 _NEEDS = Needs("gravity", words=frozenset({"dimension=2"}))
 
 
@@ -98,7 +100,7 @@ CHECKS = (
         citation=CITATION,
         judge=_judge_order,
         # WHFast is for planets about one star: three equal bodies are no perturbed Kepler orbits
-        variants=schemes_with(lambda name, claims: claims.order is not None and name != "whfast", tier_of),
+        variants=schemes_with(lambda name, claims: claims.order is not None and name != "whfast", _tier),
         faults=(
             (
                 "velocity_verlet",

@@ -43,7 +43,7 @@ def scene_of(row: Row, seed: int) -> Scene:
     x = 2.5 * rng.normal(size=(number, d)) + (0.0 if row["place"] == "about the origin" else 17.3)
     return Scene(
         name="pairs-of-features",
-        dimension=d,
+        dimension=d,  # type: ignore[arg-type]
         duration=0.0,
         masses=masses,
         gravity=Gravity(G=float(row["G"]), softening=None if row["softening"] == "none" else float(row["softening"])),
@@ -59,7 +59,7 @@ FEATURES = Features(FACTORS, _valid, scene_of, dt=0.02, steps=3, seed=2)
 
 
 def rows() -> tuple[list[Row], set[Pair]]:
-    """Rows in which every pair of levels occurs, and the pairs that no scene can have: two bodies, both without mass."""
+    """Rows in which every pair of levels occurs, and the pairs that no scene has: two bodies, both without mass."""
     return FEATURES.rows
 
 

@@ -18,8 +18,9 @@ from crosscheck.checks.stepping.orbits import (
 )
 from crosscheck.engines.protocol import Claims
 from crosscheck.figure import Figure, Series
+from crosscheck.references import EPSILON
 from crosscheck.scene import Method
-from crosscheck.verdict import Judged, bounded
+from crosscheck.verdict import Judged, bounded, round_off, worst
 
 
 def _drifts(name: str, claims: Claims) -> bool:
@@ -37,7 +38,7 @@ def _judge(laboratory: Laboratory, scheme: str) -> Judged:
     energy = energies(run)
     first = departure(energy[: SAMPLES + 1])
     curve = Series(scheme, (run["time"] / PERIOD).tolist(), (energy + 1).tolist())
-    return bounded(
+    drifts = bounded(
         f"largest energy error, {periods} periods to the first",
         departure(energy) / first,
         DRIFT,
@@ -46,6 +47,8 @@ def _judge(laboratory: Laboratory, scheme: str) -> Judged:
         note=f"{number} steps a period; energy error in the first {first:.2g} |E0|",
         figures=(Figure(f"energy, e = 0.5, {number} steps a period", "periods", "(E - E0)/|E0|", series=(curve,)),),
     )
+    start = round_off("energy of the start + |E0|, over |E0|", energy[0] + 1, 16 * EPSILON, "roundings of the state")
+    return worst([start, drifts])
 
 
 CHECKS = (

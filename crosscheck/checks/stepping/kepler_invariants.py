@@ -24,11 +24,11 @@ from crosscheck.checks.stepping.orbits import (
 )
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
 from crosscheck.figure import Figure, Series
-from crosscheck.references import kepler
+from crosscheck.references import EPSILON, kepler
 from crosscheck.references.oscillator import rounding_lever
 from crosscheck.scene import Floats, Method
 from crosscheck.statistics import fitted_order
-from crosscheck.verdict import Judged, Judgement, bounded, order, round_off, worst
+from crosscheck.verdict import Judged, Judgement, bounded, order, round_off, within, worst
 
 ECCENTRICITY, PERIODS = 0.5, 20
 #: The modified Hamiltonians of (engine, scheme): the same name may stand for different maps.
@@ -38,14 +38,17 @@ SHADOWS = {
     ("lammps", "velocity_verlet"): kepler.KICK_DRIFT_KICK,
     ("rebound", "leapfrog"): kepler.DRIFT_KICK_DRIFT,
 }
-_MOMENTUM = "departure of L, in standard deviations of rounding"
+_MOMENTUM = "departure of L from that of the orbit, in standard deviations of rounding"
+_START = "energy and angular momentum of the start, relative to those of the orbit"
+_WHY_START = "roundings of the state and of a dozen operations"
 
 
 def _judge(laboratory: Laboratory, scheme: str) -> Judged:
     """20 periods at e = 0.5: energy, modified energy, angular momentum."""
     shadow = SHADOWS.get((laboratory.engine, scheme))
     numbers = step_numbers(ECCENTRICITY, 0.1, 3)
-    of_energy, of_modified, of_momentum = [], [], []
+    of_energy, of_modified, of_momentum, of_start = [], [], [], []
+    exact = kepler.angular_momentum(*kepler.relative_orbit(0.0, ECCENTRICITY, AXIS, MU))
     for n in numbers:
         run = laboratory.run(kepler_scene(ECCENTRICITY, PERIODS, SAMPLES), Method(scheme=scheme, dt=PERIOD / n))
         r, v = kepler.relative(run["positions"]), kepler.relative(run["velocities"])
@@ -56,12 +59,14 @@ def _judge(laboratory: Laboratory, scheme: str) -> Judged:
             of_modified.append(departure(energy + (PERIOD / n) ** shadow.power * correction))
         momentum = kepler.angular_momentum(r, v)
         walk = kepler.momentum_rounding(ECCENTRICITY, PERIODS, n) * rounding_lever(scheme, n / PERIOD)
-        of_momentum.append(departure(momentum / momentum[0]) / walk)
+        of_momentum.append(float(abs(momentum / exact - 1).max()) / walk)
+        of_start.append(max(abs(energy[0] + 1), abs(momentum[0] / exact - 1)))
     rounding = SIGMAS * kepler.energy_rounding(ECCENTRICITY, PERIODS, numbers[-1])
     rounding *= rounding_lever(scheme, numbers[-1] / PERIOD)
     biased = np.sqrt(numbers[-1] * PERIODS)
     if max(of_energy) <= rounding * biased:
         judgements = [
+            round_off(_START, max(of_start), 16 * EPSILON, _WHY_START),
             round_off("departure of E/E0", max(of_energy), rounding * biased, WHY_BIASED),
             round_off(_MOMENTUM, max(of_momentum), SIGMAS * biased, WHY_BIASED),
         ]
@@ -70,6 +75,7 @@ def _judge(laboratory: Laboratory, scheme: str) -> Judged:
     claimed = laboratory.claims[scheme].order
     assert claimed is not None
     judgements = [
+        round_off(_START, max(of_start), 16 * EPSILON, _WHY_START),
         round_off(_MOMENTUM, max(of_momentum), SIGMAS, why),
         _order_of("energy error", numbers, of_energy, min(claimed), rounding),
         bounded(
@@ -85,6 +91,7 @@ def _judge(laboratory: Laboratory, scheme: str) -> Judged:
         judgements.append(
             _order_of("modified energy's error", numbers, of_modified, shadow.power + shadow.gain, rounding)
         )
+        judgements.append(_size_of(shadow, numbers[-1], of_energy[-1], of_modified[-1]))
         series.append(Series(f"{scheme}, modified E", (PERIOD / numbers).tolist(), of_modified))
     figure = Figure("energy over 20 periods, e = 0.5", "n dt", "largest |E - E0|/|E0|", "log", "log", tuple(series))
     return worst(judgements, f"energy error at {numbers[0]:.0f} steps a period: {of_energy[0]:.2g}", (figure,))
@@ -93,6 +100,22 @@ def _judge(laboratory: Laboratory, scheme: str) -> Judged:
 def _order_of(what: str, numbers: Floats, errors: list[float], expected: int, rounding: float) -> Judgement:
     slope = fitted_order(1 / numbers, errors, rounding)
     return order(f"order of the {what}", slope.value, expected, ORDER_TOLERANCE, WHY_ORDER, uncertainty=slope.error)
+
+
+def _size_of(shadow: kepler.Shadow, n: float, of_energy: float, of_modified: float) -> Judgement:
+    """The energy error itself, at n steps a period: that of the modified energy along the exact orbit."""
+    r, v = kepler.relative_orbit(np.arange(SAMPLES + 1) * PERIOD / SAMPLES, ECCENTRICITY, AXIS, MU)
+    expected = (PERIOD / n) ** shadow.power * departure(shadow.correction(r, v, MU) * (2 * AXIS / MU))
+    # over the run the orbits of all these maps turn by order dt^2 a radian, and samples fall elsewhere on them
+    turned = expected * (PERIOD * PERIODS) * (PERIOD * kepler.fastest(ECCENTRICITY) / n) ** 2
+    return within(
+        "order",
+        f"largest energy error at {n:.0f} steps a period",
+        of_energy,
+        expected,
+        of_modified + turned,
+        "that of the modified energy, and what the error of the phase after the run changes in the samples",
+    )
 
 
 CHECKS = (

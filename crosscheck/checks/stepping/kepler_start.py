@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, Variant, quick
+from crosscheck.checks.base import Check, Laboratory, Variant
+from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.checks.stepping.faults import scheme_fault
 from crosscheck.checks.stepping.orbits import (
     AXIS,
@@ -30,7 +31,8 @@ GEAR = ("gear3", "gear4", "gear4_velocity", "gear5", "gear5_velocity")
 
 
 def _variants(schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
-    return quick(*(name for name in GEAR if name in schemes))
+    tier = tier_beside_audits("gear5")
+    return tuple(Variant(name, name, tier(name)) for name in GEAR if name in schemes)
 
 
 def _judge(laboratory: Laboratory, scheme: str) -> Judged:

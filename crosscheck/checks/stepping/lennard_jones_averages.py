@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.stepping.faults import LOSS, STALE_LISTS
 from crosscheck.checks.stepping.fluids import (
     AVERAGE,
@@ -70,7 +70,10 @@ CHECKS = (
         ),
         citation="Flyvbjerg & Petersen, J. Chem. Phys. 91, 461 (1989); Wolff, Comput. Phys. Commun. 156, 143 (2004)",
         judge=_judge,
-        variants=variants_of({f"{name}-against-{OTHER}": point for name, point in STATE_POINTS.items()}),
+        variants=tuple(
+            Variant(f"{name}-against-{OTHER}", point, "quick" if name == "rho0.8-T1.0" else "full")
+            for name, point in STATE_POINTS.items()
+        ),
         faults=(
             (
                 "rho0.8-T1.0-against-lammps",

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, quick
+from crosscheck.checks.base import Check, Laboratory, full
 from crosscheck.checks.stepping.divergence import melting, separation
 from crosscheck.checks.stepping.faults import pair_fault
 from crosscheck.checks.stepping.fluids import STEP, TRAJECTORIES
@@ -77,7 +77,7 @@ CHECKS = (
         criterion="lambda within the standard errors of 12 starts; separation of 1e-6 reached no sooner",
         citation="Allen & Tildesley (1987), section 3.2; Benettin et al., Meccanica 15, 9 (1980)",
         judge=_judge,
-        variants=quick(**{"against-lammps": "lammps"}),
+        variants=full(**{"against-lammps": "lammps"}),
         faults=(
             (
                 "against-lammps",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.checks.stepping.faults import scheme_fault
 from crosscheck.checks.stepping.fluids import OPEN, STEP, fluid
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
@@ -74,7 +75,9 @@ CHECKS = (
         criterion=f"fitted order = claimed, at most 2, +- {ORDER_TOLERANCE} or twice the departure of local slopes",
         citation="Allen & Tildesley, Computer Simulation of Liquids (1987), section 3.2",
         judge=_judge,
-        variants=schemes_with(lambda name, claims: claims.order is not None),
+        variants=schemes_with(
+            lambda name, claims: claims.order is not None, tier_beside_audits("velocity_verlet", "gear5")
+        ),
         faults=(
             (
                 "velocity_verlet",

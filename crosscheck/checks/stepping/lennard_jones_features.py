@@ -36,7 +36,9 @@ FACTORS: dict[str, tuple[str, ...]] = {
 }
 #: Number of variants.
 CHUNKS = 6
-_SIGMA, _CUTOFF = 1.1, 2.4
+#: No length of a scene is 1, and some sides of boxes are shorter than 1; energies follow, so that nothing moves far.
+_UNIT = 0.37
+_SIGMA, _CUTOFF, _ENERGY = 1.1 * _UNIT, 2.4 * _UNIT, _UNIT**2
 
 
 def _boundaries(row: Row) -> tuple[str, ...]:
@@ -64,7 +66,7 @@ def _valid(row: Row) -> bool:
 
 
 def _places(rng: np.random.Generator, room: Floats, periodic: Floats, number: int) -> Floats:
-    """At most so many random places in `room`, (d,), none nearer than 0.9 sigma to another, by images where periodic."""
+    """At most so many random places in `room`, (d,), none nearer than 0.9 sigma to another or its images."""
     found: list[Floats] = []
     for _ in range(400):
         x = rng.uniform(0.0, room)
@@ -81,13 +83,13 @@ def scene_of(row: Row, seed: int) -> Scene:
     """The scene of a row, without what it records. row: of `rows`. seed: of the places and velocities."""
     rng = np.random.default_rng(seed)
     d, boundaries = int(row["dimension"]), _boundaries(row)
-    sides = np.array([5.9, 6.6, 5.3][:d] if d == 3 else [6.1, 7.3])
+    sides = _UNIT * np.array([5.9, 6.6, 5.3] if d == 3 else [6.1, 7.3])
     short = _short_axis(row)
     if short is not None:
-        # 3.1 and 1.5: below one and two cutoffs, above the length of a particle
+        # still longer than a particle
         sides[short] = {"1": 0.62, "2": 1.31}[row["shortest side"][-1]] * _CUTOFF
     walled, periodic = (np.array([kind == name for kind in boundaries]) for name in ("wall", "periodic"))
-    margin = np.where(walled, 0.85, 0.0)
+    margin = np.where(walled, 0.85 * _UNIT, 0.0)
     room = sides - 2 * margin
     number = {"1 particle": 1, "1 tile": 7, "2 tiles": 13}[row["particles"]]
     x = _places(rng, room, periodic, number) + margin
@@ -95,13 +97,14 @@ def scene_of(row: Row, seed: int) -> Scene:
     turns = {"in the box": 0, "periods away": 3, "thousands of periods away": 6000}[row["place"]]
     # each particle by whole sides of its own, and along open axes all together
     x = x + np.where(periodic, rng.integers(-turns, turns + 1, x.shape) * sides, 0.0)
-    x = x + np.where(periodic | walled, 0.0, -1.7 * turns)
+    x = x + np.where(periodic | walled, 0.0, -1.7 * _UNIT * turns)
     masses: Any = {"1": 1.0, "equal": 2.3, "unlike": tuple(rng.uniform(0.3, 3.0, number).tolist())}[row["masses"]]
     kinds = {"one": (1, 1), "unlike": (3, 3), "unlike epsilon": (2, 1), "unlike length": (1, 2)}[row["species"]]
-    epsilon, length = (1.3, 0.6, 0.9)[: kinds[0]], tuple(_SIGMA * part for part in (1.0, 0.85, 0.93)[: kinds[1]])
+    epsilon = tuple(_ENERGY * part for part in (1.3, 0.6, 0.9)[: kinds[0]])
+    length = tuple(_SIGMA * part for part in (1.0, 0.85, 0.93)[: kinds[1]])
     return Scene(
         name="pairs-of-features",
-        dimension=d,
+        dimension=d,  # type: ignore[arg-type]
         duration=0.0,
         masses=masses if row["masses"] != "unlike" or number > 1 else masses[0],
         species=tuple(int(k) for k in (1 + np.arange(number)) % max(kinds)) if max(kinds) > 1 else None,
@@ -115,9 +118,9 @@ def scene_of(row: Row, seed: int) -> Scene:
         box=Box(
             lengths=tuple(sides.tolist()),
             boundaries=boundaries,  # type: ignore[arg-type]
-            wall=Wall(epsilon=0.7, sigma=0.95, cutoff=1.9) if walled.any() else None,
+            wall=Wall(epsilon=0.7 * _ENERGY, sigma=0.95 * _UNIT, cutoff=1.9 * _UNIT) if walled.any() else None,
         ),
-        initial=explicit(x, rng.normal(size=x.shape)),
+        initial=explicit(x, _UNIT * rng.normal(size=x.shape)),
     )
 
 
@@ -141,8 +144,8 @@ CHECKS = (
         title="Lennard-Jones particles with every pair of features: energies, virial, forces and steps",
         equation="sums over all pairs and images: phi cut, shifted, force-shifted; mixtures; walls; m_i a_i = F_i",
         criterion="each within bounds of rounding: of coordinates, terms and sums, and of velocity Verlet in doubles",
-        citation="Allen & Tildesley, Computer Simulation of Liquids (1987), sections 1.3-1.5, 2.4 and 5.2; Cohen, Dalal, "
-        "Fredman & Patton, IEEE Trans. Softw. Eng. 23, 437 (1997), for rows of all pairs",
+        citation="Allen & Tildesley, Computer Simulation of Liquids (1987), sections 1.3-1.5, 2.4 and 5.2; rows of all "
+        "pairs: Cohen, Dalal, Fredman & Patton, IEEE Trans. Softw. Eng. 23, 437 (1997)",
         judge=_judge,
         variants=variants_of({f"rows-{chunk}": chunk for chunk in range(CHUNKS)}),
         faults=(

@@ -52,13 +52,13 @@ def _scene(name: str, sides: tuple[float, ...], x: np.ndarray, v: np.ndarray, **
 def _motions() -> dict[str, Motion]:
     rng = np.random.default_rng(21)
     flat = _grid(rng, (4, 2), 1.35)
-    drift = _scene("drift", (7.4, 2.9), flat, rng.normal(size=flat.shape) + (31.0, -17.0))
+    drift = _scene("drift", (7.4, 2.9), flat, rng.normal((31.0, -17.0), size=flat.shape))
     block = _grid(rng, (2, 3, 2), 1.3)
     slab = _scene(
         "slab",
         (2.6, 7.9, 5.2),
         block,
-        rng.normal(size=block.shape) + (-9.0, 21.0, 0.0),
+        rng.normal((-9.0, 21.0, 0.0), size=block.shape),
         box=Box(lengths=(2.6, 7.9, 5.2), boundaries=("periodic", "periodic", "open")),
     )
     # one particle crosses the box half-way between two rows of others
@@ -66,16 +66,16 @@ def _motions() -> dict[str, Motion]:
     speed = np.zeros_like(rows)
     speed[-1] = 55.0, 0.0
     fast = _scene("fast", (13.0, 4.6), rows, speed)
-    # far apart, and on its way to one place: lists outgrow their memory in mid-run
-    sparse = _grid(rng, (3, 3, 3), 4.2)
+    # far apart in a wide box, and on their way to one place: lists outgrow their memory in mid-run
+    sparse = _grid(rng, (4, 4, 4), 4.2)
     species = tuple(i % 2 for i in range(len(sparse)))
     closing = _scene(
         "closing",
-        (33.0, 31.0, 29.0),
+        (190.0, 180.0, 170.0),
         sparse,
-        (6.3 - sparse) * 7.0,
+        (8.4 - sparse) * 7.0,
         species=species,
-        masses=tuple(1.0 + 0.1 * i for i in range(len(sparse))),
+        masses=tuple(1.0 + 0.03 * i for i in range(len(sparse))),
         lennard_jones=LennardJones(cutoff=2.6, epsilon=(1.0, 0.5), length=(1.0, 0.85), truncation="shifted"),
     )
     dense = _grid(rng, (4, 4, 4), 1.15)
@@ -114,7 +114,7 @@ _LISTS = "stepping/kernels/neighbours.py"
 CHECKS = (
     Check(
         name="stepping/lennard-jones-lists",
-        title="Energies at every step while pairs come and go: drift through the box, a fast particle, a cloud closing in",
+        title="Energies at every step while pairs come and go: drift through the box, a fast particle, a closing cloud",
         equation="U, W, K at r_n, v_n of velocity Verlet, by sums over all pairs and images",
         criterion="each within bounds of rounding: of coordinates, terms and sums, and of velocity Verlet in doubles",
         citation="Verlet, Phys. Rev. 159, 98 (1967); Allen & Tildesley, Computer Simulation of Liquids (1987), 5.3",

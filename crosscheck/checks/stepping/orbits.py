@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Laboratory, Tier
+from crosscheck.checks.base import Laboratory
+from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.convergence import Limit, extrapolate
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Claims, Run
@@ -22,8 +23,6 @@ PERIOD = 2 * np.pi
 ECCENTRICITIES = (0.0, 0.5, 0.9, 0.99)
 #: Samples a period.
 SAMPLES = 16
-#: Left to the full tier: each costs a compilation and shows nothing here that others do not.
-RARE = ("euler", "modified_euler", "euler_pc", "beeman_pc")
 #: Ratios of the step numbers of an extrapolation: errors in dt^2 up to dt^14 are removed.
 SEQUENCE = np.array([1, 2, 3, 4, 6, 8, 12, 16])
 #: Largest energy error of a run, to that of its first period: the secular part is as large as the oscillation.
@@ -58,9 +57,8 @@ class Orbit(NamedTuple):
         return f"e{self.eccentricity:g}/{self.scheme}"
 
 
-def tier_of(scheme: str) -> Tier:
-    """The full tier if `scheme` is one of `RARE`, else the quick one."""
-    return "full" if scheme in RARE else "quick"
+#: The tier of a scheme: one of each family shows in the quick one what the audits judge step by step for all.
+tier_of = tier_beside_audits("velocity_verlet", "symplectic_euler", "gear5")
 
 
 def kepler_scene(eccentricity: float, periods: float, samples: int | None = None) -> Scene:

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.checks.stepping.faults import scheme_fault
 from crosscheck.checks.stepping.springs import DAMPED, MASS, OMEGA0, SPRING, STIFFNESS
 from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
@@ -28,6 +29,13 @@ REGIMES: dict[str, tuple[float | None, float, float, float]] = {
     "over-damped": (2 * CRITICAL, 1.0, 1.0, 0.7 * OMEGA0),
 }
 SAMPLES = 10
+#: Schemes that show the orders in the quick tier: one of each family over the four regimes.
+_QUICK = {
+    "undamped": ("velocity_verlet", "gear5"),
+    "damped": ("velocity_verlet", "beeman_pc", "gear5_velocity"),
+    "critical": ("velocity_verlet", "beeman_pc"),
+    "over-damped": ("velocity_verlet", "gear5"),
+}
 
 
 def _oscillator_scene(regime: str, samples: int = SAMPLES) -> Scene:
@@ -243,7 +251,8 @@ def _regime_check(regime: str) -> Check:
         citation=_LANDAU,
         judge=partial(_judge_order, regime=regime),
         variants=schemes_with(
-            lambda name, claims: (claims.order if regime == "undamped" else claims.order_damped) is not None
+            lambda name, claims: (claims.order if regime == "undamped" else claims.order_damped) is not None,
+            tier_beside_audits(*_QUICK[regime]),
         ),
         faults=(_FAULTS[regime],),
         needs=SPRING if regime == "undamped" else DAMPED,
@@ -262,5 +271,6 @@ CHECKS = (
         variants=schemes_with(lambda name, claims: oscillator.has_matrix(name)),
         faults=COEFFICIENTS,
         needs=DAMPED,
+        interpreted=True,
     ),
 )

@@ -77,5 +77,6 @@ CHECKS = (
             ),
         ),
         needs=replace(DAMPED, words=frozenset({"dimension=2", "masses[]", "spring.gamma"})),
+        interpreted=True,
     ),
 )

@@ -33,7 +33,7 @@ def scene_of(row: Row, seed: int) -> Scene:
     masses: Any = {"1": 1.0, "equal": 2.3}.get(row["masses"], tuple(rng.uniform(0.2, 3.0, shape[0]).tolist()))
     return Scene(
         name="pairs-of-features",
-        dimension=shape[1],
+        dimension=shape[1],  # type: ignore[arg-type]
         duration=0.0,
         masses=masses,
         spring=Spring(k=1.7, gamma=None if row["friction"] == "none" else float(row["friction"])),
@@ -49,7 +49,7 @@ FEATURES = Features(FACTORS, _valid, scene_of, dt=0.15, steps=4, seed=3)
 
 
 def rows() -> tuple[list[Row], set[Pair]]:
-    """Rows in which every pair of levels occurs, and the pairs that no scene can have: unlike masses of one particle."""
+    """Rows in which every pair of levels occurs, and the pairs that no scene has: unlike masses of one particle."""
     return FEATURES.rows
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.checks.stepping.faults import scheme_fault
 from crosscheck.checks.stepping.springs import LITERATURE, SPRING, unit_oscillator
 from crosscheck.engines.protocol import Run
@@ -78,7 +79,9 @@ CHECKS = (
         criterion=f"twice the distance from the limit at which {STEPS} steps show it",
         citation=LITERATURE,
         judge=_judge_limit,
-        variants=schemes_with(lambda name, claims: oscillator.has_matrix(name)),
+        variants=schemes_with(
+            lambda name, claims: oscillator.has_matrix(name), tier_beside_audits("velocity_verlet", "gear5_velocity")
+        ),
         faults=(
             (
                 "euler_pc",

@@ -129,7 +129,7 @@ CHECKS = (
             (
                 "beeman",
                 scheme_fault(
-                    "beeman-start",
+                    "beeman-start-position",
                     "return a, accelerate(force, r - dt * v + 0.5 * dt**2 * a, v - dt * a)",
                     "return a, accelerate(force, r - dt * v, v - dt * a)",
                     "the step backwards leaves out the acceleration",

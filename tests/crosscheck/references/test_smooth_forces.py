@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.references import EPSILON
-from crosscheck.references.smooth_forces import accelerations, kinetic_energy, smooth
+from crosscheck.references import EPSILON, kepler
+from crosscheck.references.smooth_forces import accelerations, kinetic_energy, orbit, smooth
 from crosscheck.scene import Box, Gravity, LennardJones, Scene, Spring, Wall, explicit
 
 RNG = np.random.default_rng(5)
@@ -133,3 +133,13 @@ def test_kinetic_energy() -> None:
     value, bound = kinetic_energy(np.array([1.0, 3.0]), np.array([[1.0, 2.0], [-1.0, 0.5]]))
     assert value == 0.5 * 5 + 1.5 * 1.25
     assert 0 < bound < 20 * EPSILON * value
+
+
+def test_orbit_of_two_bodies_is_keplers() -> None:
+    masses, e = (3.0, 1.0), 0.3
+    r, v = (part[0] for part in kepler.two_bodies(np.array([0.0]), masses, e, 2.0, 2.0))
+    scene = Scene(name="two", dimension=2, duration=0.0, masses=masses, gravity=Gravity(G=2.0), initial=explicit(r, v))
+    found = orbit(scene, 4.0)
+    expected = kepler.two_bodies(np.array([4.0]), masses, e, 2.0, 2.0)
+    for one, other in zip(found, expected, strict=True):
+        assert abs(one - other[0]).max() < 1e-11
