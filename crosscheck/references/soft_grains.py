@@ -58,7 +58,11 @@ _ROUNDINGS = 16.0
 
 
 class Law(NamedTuple):
-    """Coefficients of one kind of contact: k, c_n or gamma_n, k_t, c_t or gamma_t, and mu; see the module."""
+    """Coefficients of one kind of contact, in the equations of the module.
+
+    k: stiffness. normal: c_n = 2 zeta (sqrt(5) zeta), or gamma_n. k_t: tangential stiffness. tangential: c_t, or gamma_t.
+    mu: coefficient of friction; 0: smooth; infinite: no limit.
+    """
 
     k: float
     normal: float
