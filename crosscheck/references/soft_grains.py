@@ -3,7 +3,7 @@
 Written for clarity, as a second derivation: all pairs and all walls at once, without lists or cells. In the plane,
 vectors have a third component 0, and spins are along it.
 
-The laws. Bodies i and j touch where delta = R_i + R_j - |r_ij| > 0; r_ij = r_i - r_j of nearest images, n = r_ij/|r_ij|.
+The laws. Bodies i and j touch where delta = R_i + R_j - |r_ij| > 0; r_ij = r_i - r_j of nearest images, n along it.
 A wall is a body j without radius of its own, of infinite mass, whose velocity is that of its surface. With the velocity
 g = v_i - v_j of the centres and u = g - (g.n) n - (R_i w_i + R_j w_j) x n of the surfaces along each other, and s = 1
 ("hooke") or sqrt(R_eff delta) ("hertz"), R_eff = R_i R_j/(R_i + R_j), or R_i at a wall,
@@ -58,7 +58,11 @@ _ROUNDINGS = 16.0
 
 
 class Law(NamedTuple):
-    """Coefficients of one kind of contact: k, c_n or gamma_n, k_t, c_t or gamma_t, and mu; see the module."""
+    """Coefficients of one kind of contact, in the equations of the module.
+
+    k: stiffness. normal: c_n = 2 zeta (sqrt(5) zeta), or gamma_n. k_t: tangential stiffness. tangential: c_t, or gamma_t.
+    mu: coefficient of friction; 0: smooth; infinite: no limit.
+    """
 
     k: float
     normal: float

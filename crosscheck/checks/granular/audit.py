@@ -35,6 +35,7 @@ FACTORS: dict[str, tuple[str, ...]] = {
     "field": ("none", "along one axis", "oblique"),
     "start": ("apart", "in contact", "in other images", "one far away"),
     "motion": ("slow", "fast"),
+    "crowd": ("compact", "long in x", "long in y", "long in z"),
     "tallies": ("none", "all"),
 }
 #: Numbers of quick variants of all rows, and of the same pairs of features in other rows.

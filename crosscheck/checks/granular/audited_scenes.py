@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 #: Duration of a contact of two grains of mass 1 without damping, steps in it (few, for each step is judged by itself),
 #: and steps of a run.
-_CONTACT, _RESOLUTION, _STEPS = 0.1, 10, 60
+_CONTACT, _RESOLUTION, _STEPS = 0.1, 10, 45
 #: Distance of neighbours in the crowd, over the largest diameter.
 _PITCH = 1.04
 _STIFFNESS = float(np.pi**2 / 2 / _CONTACT**2)
@@ -40,6 +40,8 @@ def possible(row: Row) -> bool:
     """Whether there is a scene with these features. row: levels of all factors of `granular/audit`."""
     plane, own = row["dimension"] == "2", row["law"] in ("own hooke", "own hertz", "moduli")
     walls = any(row[axis] in _WALLS for axis in AXES) or row["cylinder"] != "none"
+    if plane and row["crowd"] == "long in z":
+        return False
     if plane and (row["z"] != "open" or row["cylinder"] in ("about x", "about y")):
         return False
     if row["cylinder"] != "none":
@@ -80,6 +82,7 @@ def simple(factor: str, levels: tuple[str, ...]) -> tuple[str, ...]:
         "tallies": ("none", "all"),
         "y": ("open", "walls"),
         "motion": ("slow",),
+        "crowd": ("compact", "long in x"),
         "surfaces": ("like grains", "others"),
         "grains": ("alike", "unlike masses and sizes"),
         "field": ("none", "oblique"),
@@ -168,9 +171,7 @@ def audited_scene(row: Row, seed: int, potential: bool) -> Scene:
     """
     d = int(row["dimension"])
     rng = np.random.default_rng(seed)
-    cells = [3, 2] if d == 2 else [2, 2, 2] if row["motion"] == "slow" else [3, 2, 2]
-    if d == 2 and row["motion"] == "fast":
-        cells = [4, 3]
+    cells = _cells(row, d)
     number = int(np.prod(cells))
     species = np.arange(number) % 3 // 2
     sizes = (1.0, 0.8) if "sizes" in row["grains"] else (1.0, 1.0)
@@ -185,6 +186,8 @@ def audited_scene(row: Row, seed: int, potential: bool) -> Scene:
         boundaries.append("hard" if level in _WALLS else level)
         if level == "open":
             lengths[axis] += 1.0
+        if level == "periodic":  # no particle meets two images of another one
+            lengths[axis] = max(lengths[axis], 2.07)
         if level in ("open", "periodic") and row["motion"] == "fast" and row["cylinder"] == "none":
             velocities[:, axis] += 5.0 - axis
     cylinder = None
@@ -222,6 +225,15 @@ def audited_scene(row: Row, seed: int, potential: bool) -> Scene:
             observables=_observables(row, potential, cylinder is not None),
         ),
     )
+
+
+def _cells(row: Row, d: int) -> list[int]:
+    """Sites of the crowd along each axis; a long one needs several cells of a pair list."""
+    if row["crowd"] == "compact":
+        return [3, 2] if d == 2 else [2, 2, 2]
+    axis = AXES.index(row["crowd"][-1])
+    cells = [2, 1, 6][:d] if axis == 2 else [6, 2, 1][:d]
+    return [2, 6, 1][:d] if axis == 1 else cells
 
 
 def _field(row: Row, d: int) -> tuple[float, ...] | None:

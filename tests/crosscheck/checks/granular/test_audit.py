@@ -73,7 +73,7 @@ def test_rows_have_every_pair_that_is_possible() -> None:
     assert found | never == every
     assert not found & never
     # what can never be: a factor that another one takes the meaning of
-    assert {first[0] for first, _ in never} <= {"law", "friction", "x", "y", "z", "cylinder", "turning"}
+    assert {first[0] for first, _ in never} <= {"law", "friction", "x", "y", "z", "cylinder", "turning", "dimension"}
 
 
 def test_all_rows_make_scenes() -> None:
