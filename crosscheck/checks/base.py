@@ -62,7 +62,13 @@ class Laboratory:
     interpreted: bool = False
 
     def run(
-        self, scene: Scene, method: Method | Kind, engine: str | None = None, *, may_end_early: bool = False
+        self,
+        scene: Scene,
+        method: Method | Kind,
+        engine: str | None = None,
+        *,
+        may_end_early: bool = False,
+        interpreted: bool | None = None,
     ) -> Run:
         """Runs `scene`, and adds the cost of the run to `cost`.
 
@@ -70,14 +76,13 @@ class Laboratory:
         another engine, as a reference; by default that under judgement. may_end_early: the check judges a run that
         diverged, or stopped (inelastic collapse), itself. Otherwise such a run ends the case: EndedEarly if it is of
         the engine under judgement, EngineError if it is of a reference. Unsupported if the engine has no scheme of that
-        kind for this interaction; the errors of the engine (see `crosscheck.errors`) pass through.
+        kind for this interaction; the errors of the engine (see `crosscheck.errors`) pass through. interpreted: whether
+        an engine that promises `interpretable` runs as plain Python; None: as the check says.
         """
         name = engine or self.engine
-        method = method if isinstance(method, Method) else _of_kind(name, scene, method)
-        declared = engine_class(name)
-        interpretable = getattr(declared, "interpretable", False)
-        interpretable = interpretable and method.scheme not in getattr(declared, "compiled_schemes", ())
-        run = self.pool.worker(name, self.interpreted and interpretable).run(scene, method)
+        plain = self.interpreted if interpreted is None else interpreted
+        worker = self.pool.worker(name, plain and "interpretable" in getattr(engine_class(name), "promises", ()))
+        run = worker.run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
         for entry, value in asdict(run.cost).items():
             before = getattr(self.cost, entry)
             setattr(self.cost, entry, max(before, value) if entry == "peak_bytes" else before + value)
@@ -112,7 +117,7 @@ class Check:
     needs: what an engine must declare to be judged, own or foreign; several: all of them. faults: (variant, planted bug
     of `refimpl` that must turn it red). reference: engines, one or several, that this check compares with, and
     therefore does not judge. timing: run alone, nothing else beside it. interpreted: its scenes are so small that
-    compiling would take longer than running: an engine that says `interpretable` runs as plain Python.
+    compiling would take longer than running: an engine that promises `interpretable` runs as plain Python.
     """
 
     name: str

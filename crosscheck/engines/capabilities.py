@@ -174,7 +174,8 @@ class Needs:
 
     interaction, kinds: scenes of this interaction, moved by schemes of one of these kinds. words, observables: those
     without which no variant of the check can be run. schemes: names of schemes that the engine must have. promises:
-    names that the engine's attribute `promises` must hold; "speed": its speed may be judged.
+    names that the engine's attribute `promises` must hold; "speed": its speed may be judged; "interpretable": where the
+    environment has NUMBA_DISABLE_JIT, it runs as plain Python, for scenes too small to be worth a compilation.
     """
 
     interaction: str

@@ -109,9 +109,7 @@ class Engine(Protocol):
 
     name: a short name. schemes: name of each scheme -> what it claims. capabilities: the scenes that it can run. The
     suite refuses scenes that no capability covers, before they reach the engine; `supports` refuses those that the
-    declarations cannot tell apart. An engine may also have `promises`, see `crosscheck.engines.capabilities.Needs`, and
-    `interpretable`: whether it runs without compilation too, with `NUMBA_DISABLE_JIT` set; `compiled_schemes`: names of
-    schemes that do not.
+    declarations cannot tell apart. An engine may also have `promises`, see `crosscheck.engines.capabilities.Needs`.
     """
 
     name: str

@@ -305,7 +305,7 @@ def rests(rows: Floats, i: int, j: int, b: float, s2: float) -> bool:
     """Whether a pair in contact approaches more slowly than its velocities are rounded."""
     scale = 0.0
     for k in range(3):
-        scale += rows[i, 3 + k] ** 2 + rows[j, 3 + k] ** 2
+        scale += rows[i, 3 + k] * rows[i, 3 + k] + rows[j, 3 + k] * rows[j, 3 + k]
     return b * b <= AT_REST * s2 * scale
 
 

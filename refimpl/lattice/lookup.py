@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from refimpl.compilation import compiled
 from refimpl.lattice.gas import Forcing, LatticeGas, reflections
 from refimpl.lattice.logic import draws
 from refimpl.lattice.models import Model
@@ -66,7 +66,7 @@ class LookupGas(LatticeGas):
         self.time += steps
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, time):  # type: ignore[no-untyped-def]
     rows, columns = sites.shape
     outcomes, numbers, number_of_draws = table
@@ -94,13 +94,13 @@ def _step(sites, target, moves, table, mirrors, walls, force, impulses, seed, ti
             target[y, x] = outcomes[state, _choice(numbers[state], number_of_draws, key, x)]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def _random_bit(key, draw, x):  # type: ignore[no-untyped-def]
     """Bit x mod 64 of word x // 64 of a row."""
     return np.int64(random_word(key, np.uint64(draw * ROW + x // 64)) >> np.uint64(x % 64)) & 1
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def _choice(number, number_of_draws, key, x):  # type: ignore[no-untyped-def]
     """Uniform among 0 ... number - 1: as many random bits as number them, drawn again where they say more."""
     if number == 1:
@@ -118,7 +118,7 @@ def _choice(number, number_of_draws, key, x):  # type: ignore[no-untyped-def]
         draw += number_of_draws
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def _uniform(seed, time, y, x):  # type: ignore[no-untyped-def]
     """Uniform integer of DIGITS binary digits."""
     key = row_key(seed, FORCING, np.uint64(time), np.uint64(y))
@@ -128,7 +128,7 @@ def _uniform(seed, time, y, x):  # type: ignore[no-untyped-def]
     return value
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def _reflected(state, rule, mirrors, seed, time, y, x):  # type: ignore[no-untyped-def]
     """Components are reversed by the rule's bits 1 and 2, and with probability 1/2 by its bits 4 and 8."""
     flips = rule & 3
@@ -138,7 +138,7 @@ def _reflected(state, rule, mirrors, seed, time, y, x):  # type: ignore[no-untyp
     return mirrors[flips, state]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(cache=True, nogil=True)
 def _advance(  # type: ignore[no-untyped-def]
     sites, target, moves, table, mirrors, walls, force, impulses, seed, start, steps
 ):

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numba.extending import overload
 
+from refimpl.compilation import compiled
 from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
@@ -48,7 +48,7 @@ def _step(self: Any, force: Any, r: Any, v: Any, memory: Any, dt: Any) -> Any:
     return self.instance_class.step
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # type: ignore[no-untyped-def]
     """Steps first + 1 ... last; a sample after every step whose number is a multiple of `every`.
 

@@ -155,21 +155,18 @@ def _judge_naive(laboratory: Laboratory, scheme: str) -> Judged:
     )
 
 
-_LINEAR = """        def scan(queue: Any, counts: Any) -> int:
-            number = queue.keys.size // 2
-            found = 0
-            for k in range(1, number):
-                tick(counts, COMPARISONS, 1)
-                if queue.keys[number + k] < queue.keys[number + found]:
-                    found = k
-            return np.int64(found)
-
-        return scan"""
+_LINEAR = """    number = queue.keys.size // 2
+    found = 0
+    for k in range(1, number):
+        tick(counts, COMPARISONS, 1)
+        if queue.keys[number + k] < queue.keys[number + found]:
+            found = k
+    return np.int64(found)"""
 
 LINEAR_SCAN = Fault(
     "linear-scan",
     "events/kernels/schedule.py",
-    "        return lambda queue, counts: np.int64(queue.nodes[1])",
+    "    return np.int64(queue.nodes[1])",
     _LINEAR,
     "the earliest event is found by a scan of all events, not in the tree",
 )

@@ -86,8 +86,8 @@ CHECKS = (
                 Fault(
                     "neighbour-word",
                     "lattice/kernels/words.py",
-                    "aside = builder.add(index, ir.Constant(_LANE, -shift))",
-                    "aside = builder.add(index, ir.Constant(_LANE, -2 * shift))",
+                    "(read(place + -1) >> 63)",
+                    "(read(place + -2) >> 63)",
                     "bit planes take the bit at the edge of a word from the next but one",
                 ),
             ),

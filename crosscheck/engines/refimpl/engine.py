@@ -71,9 +71,6 @@ class RefimplEngine:
     """The algorithms of `refimpl`: all interactions and all their schemes."""
 
     name = "refimpl"
-    interpretable = True
-    #: Their kernels are laid out in machine instructions.
-    compiled_schemes = ("lattice_planes",)
     schemes = {name: Claims(s.order, s.order_damped, s.symplectic, s.reversible) for name, s in SCHEMES.items()}
     schemes |= {name: Claims(kind="event_driven") for name in SCHEDULERS}
     schemes |= {name: Claims(kind="lattice") for name in EVOLVERS}
@@ -128,9 +125,9 @@ class RefimplEngine:
         ),
         capability("lattice_gas", "lattice", words=_GASES, observables="populations h_function", schemes=(BOLTZMANN,)),
     )
-    #: Speeds that it is held to, against the peers that the checks name; and that thousands of steps of some hundred
-    #: particles take seconds.
-    promises = ("speed", "long_runs")
+    #: Speeds that it is held to, against the peers that the checks name; that thousands of steps of some hundred
+    #: particles take seconds; and that its kernels run as plain Python too.
+    promises = ("speed", "long_runs", "interpretable")
 
     def version(self) -> str:
         import numba

@@ -286,9 +286,11 @@ def _environment(overlay: Path | None, interpreted: bool) -> dict[str, str]:
     """Environment of a worker: one thread; an overlay first on the path, with its kernels beside it, if any."""
     environment = dict(os.environ)
     environment.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", NUMBA_NUM_THREADS="1")
-    environment["NUMBA_CACHE_DIR"] = str(kernel_cache(overlay / "kernels" if overlay else None))
-    if interpreted:
+    if interpreted:  # with no cache there is nothing that workers wait for each other with
         environment["NUMBA_DISABLE_JIT"] = "1"
+        environment.pop("NUMBA_CACHE_DIR", None)
+    else:
+        environment["NUMBA_CACHE_DIR"] = str(kernel_cache(overlay / "kernels" if overlay else None))
     if overlay:
         environment["PYTHONPATH"] = os.pathsep.join(filter(None, [str(overlay), os.environ.get("PYTHONPATH", "")]))
     return environment

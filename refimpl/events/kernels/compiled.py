@@ -11,19 +11,20 @@ from typing import Any, TypeVar, cast
 
 from numba import njit
 
+from refimpl.compilation import compiled
+
 _F = TypeVar("_F", bound=Callable[..., Any])
 
-_ALL: dict[str, Any] = {"_nrt": False, "error_model": "numpy"}
-KERNEL: dict[str, Any] = {**_ALL, "cache": True, "no_cfunc_wrapper": True}
+_ALL: dict[str, Any] = {"_nrt": False, "no_cfunc_wrapper": True}
 #: Options of a function that is always inlined.
-INLINE: dict[str, Any] = {**_ALL, "forceinline": True, "no_cfunc_wrapper": True}
+INLINE: dict[str, Any] = {**_ALL, "error_model": "numpy", "forceinline": True}
 #: The same without an entry for Python, which would have to unpack whole records: a third of the time of compilation.
 INTERNAL: dict[str, Any] = {**INLINE, "no_cpython_wrapper": True}
 
 
 def kernel(function: _F) -> _F:
     """Compiled on its own, and kept on disk."""
-    return cast(_F, njit(**KERNEL)(function))
+    return compiled(cache=True, **_ALL)(function)
 
 
 def inline(function: _F) -> _F:

@@ -357,7 +357,7 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
 
     ti = rows[i, TIME]
     best = rows[i, NEXT]
-    reach2 = _reach(well) ** 2
+    reach2 = _reach(well) * _reach(well)
     u = 0
     for q in range(p):
         j = ids[q] & ID
@@ -566,7 +566,7 @@ def _collide(
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
     speed2 = 0.0
     for k in range(3):
-        speed2 += rows[i, SPEED + k] ** 2 + rows[j, SPEED + k] ** 2
+        speed2 += rows[i, SPEED + k] * rows[i, SPEED + k] + rows[j, SPEED + k] * rows[j, SPEED + k]
     status = PAUSED
     changed = _at_well_edge(model.well, model, particles, tallies, fields, i, j, n, distance, gn, now)
     if not changed and gn < 0.0:

@@ -74,14 +74,16 @@ def _rotational_energy(rough: Any, spins: Any, model: Any, i: int) -> float:
         return 0.0
     radius = radius_of(model.diameter, model.radii, i)
     inertia = rough.inertia * _mass(model.mass, model.inverse_masses, i) * radius * radius
-    return 0.5 * inertia * (spins[i, 0] ** 2 + spins[i, 1] ** 2 + spins[i, 2] ** 2)
+    x, y, z = spins[i, 0], spins[i, 1], spins[i, 2]
+    return 0.5 * inertia * (x * x + y * y + z * z)
 
 
 @inline_internal
 def _translational_energy(model: Any, rows: Any, i: int) -> float:
     """m v^2/2, of the state as it stands in the row."""
     mass = _mass(model.mass, model.inverse_masses, i)
-    return 0.5 * mass * (rows[i, 3] ** 2 + rows[i, 4] ** 2 + rows[i, 5] ** 2)
+    x, y, z = rows[i, 3], rows[i, 4], rows[i, 5]
+    return 0.5 * mass * (x * x + y * y + z * z)
 
 
 @inline_internal
@@ -254,7 +256,7 @@ def _add_residence(fields: Any, model: Any, rows: Any, spins: Any, i: int, now: 
         v = rows[i, 3 + k]
         g = field_along(model.acceleration, k)
         fields.momentum[place, k] += mass * (v * (b - a) + 0.5 * g * (b * b - a * a))
-        kinetic += v * v * (b - a) + v * g * (b * b - a * a) + g * g * (b**3 - a**3) / 3.0
+        kinetic += v * v * (b - a) + v * g * (b * b - a * a) + g * g * (b * (b * b) - a * (a * a)) / 3.0
     fields.mass[place] += mass * (b - a)
     fields.kinetic[place] += 0.5 * mass * kinetic
     fields.rotational[place] += _rotational_energy(model.rough, spins, model, i) * (b - a)

@@ -5,10 +5,15 @@ from typing import Any
 import llvmlite.ir as ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
+
+from refimpl.compilation import instruction
 
 
-@intrinsic
+def _no_hint(array: Any, offset: int) -> None:
+    pass
+
+
+@instruction(_no_hint)
 def prefetch(typing_context: Any, array: Any, offset: Any) -> Any:
     """Loads the cache line `offset` bytes behind the start of a contiguous array, if there is time for it."""
 

@@ -14,9 +14,8 @@ Marin, Risso and Cordero have it. `Earliest`: the first one only; the others are
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
-from numba.extending import overload
 
+from refimpl.compilation import dispatched, implements
 from refimpl.events.kernels.compiled import INTERNAL, inline_internal, kernel
 from refimpl.events.kernels.memory import prefetch
 from refimpl.events.prediction import NEVER
@@ -73,10 +72,6 @@ class Lists(NamedTuple):
     free: Any
 
 
-def _is(kind: Any, record: type) -> bool:
-    return isinstance(kind, types.BaseNamedTuple) and kind.instance_class is record
-
-
 @inline_internal
 def tick(counts: Any, what: int, number: int) -> None:
     """Counts operations; nothing at all where they are not counted."""
@@ -84,10 +79,31 @@ def tick(counts: Any, what: int, number: int) -> None:
         counts[what] += number
 
 
+# -- the interface of queues -----------------------------------------------------------------------
+
+
+@dispatched(**INTERNAL)
+def update(queue: Any, counts: Any, i: int, key: float) -> None:
+    """Particle i's next event is at `key` from now on."""
+    raise TypeError("not a queue")
+
+
+@dispatched(**INTERNAL)
+def first(queue: Any, counts: Any) -> int:
+    """The particle with the earliest event."""
+    raise TypeError("not a queue")
+
+
+@dispatched(**INTERNAL)
+def prefetch_entry(queue: Any, i: int) -> None:
+    """Hints to the processor that particle i's entry is about to change."""
+    raise TypeError("not a queue")
+
+
 # -- the tree --------------------------------------------------------------------------------------
 
 
-@inline_internal
+@implements(update, Tree)
 def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     keys, nodes = queue.keys, queue.nodes
     place = nodes.size // 2 + i
@@ -109,7 +125,12 @@ def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     tick(counts, COMPARISONS, steps)
 
 
-@inline_internal
+@implements(first, Tree)
+def _tree_first(queue: Any, counts: Any) -> int:
+    return np.int64(queue.nodes[1])
+
+
+@implements(prefetch_entry, Tree)
 def _tree_prefetch(queue: Any, i: int) -> None:
     # the nodes that an update will visit are known well before it starts; the upper levels are in the cache anyway
     place = queue.nodes.size // 2 + i
@@ -156,7 +177,7 @@ def _put(queue: Any, i: int, key: float) -> None:
     queue.heads[slot] = i
 
 
-@inline_internal
+@implements(update, Calendar)
 def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
     before, after = queue.before[i], queue.after[i]
     if before >= 0:
@@ -168,7 +189,7 @@ def _calendar_update(queue: Any, counts: Any, i: int, key: float) -> None:
     _put(queue, i, key)
 
 
-@inline_internal
+@implements(first, Calendar)
 def _calendar_first(queue: Any, counts: Any) -> int:
     mask, today = queue.heads.size - 1, queue.today[0]
     empty = 0
@@ -203,7 +224,7 @@ def build_calendar(queue: Any, times: Any, now: float) -> None:
         _put(queue, i, times[i])
 
 
-@inline_internal
+@implements(prefetch_entry, Calendar)
 def _calendar_prefetch(queue: Any, i: int) -> None:
     if queue.keys.size > NEAR_NODES:
         prefetch(queue.day, i * 8)
@@ -212,52 +233,72 @@ def _calendar_prefetch(queue: Any, i: int) -> None:
         prefetch(queue.before, i * 4)
 
 
-# -- the interface of queues -----------------------------------------------------------------------
+# -- the interface of stores -----------------------------------------------------------------------
 
 
-def update(queue: Any, counts: Any, i: int, key: float) -> None:
-    """Particle i's next event is at `key` from now on."""
-    raise TypeError(f"not a queue: {type(queue).__name__}")
+@dispatched(**INTERNAL)
+def drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+    """Drops every pair event that i owns."""
+    raise TypeError("not a store")
 
 
-def first(queue: Any, counts: Any) -> int:
-    """The particle with the earliest event."""
-    raise TypeError(f"not a queue: {type(queue).__name__}")
+@dispatched(**INTERNAL)
+def keeps_all(store: Any) -> bool:
+    """Whether the store keeps every event of an owner, not the earliest alone."""
+    raise TypeError("not a store")
 
 
-@overload(update, strict=False, jit_options=INTERNAL)
-def _update(queue: Any, counts: Any, i: int, key: float) -> Any:
-    if _is(queue, Tree):
-        return lambda queue, counts, i, key: _tree_update(queue, counts, i, key)
-    if _is(queue, Calendar):
-        return lambda queue, counts, i, key: _calendar_update(queue, counts, i, key)
-    return None
+@dispatched(**INTERNAL)
+def has_room(store: Any, number: int) -> bool:
+    """Whether the store can take so many events more."""
+    raise TypeError("not a store")
 
 
-@overload(first, strict=False, jit_options=INTERNAL)
-def _first(queue: Any, counts: Any) -> Any:
-    if _is(queue, Tree):
-        return lambda queue, counts: np.int64(queue.nodes[1])
-    if _is(queue, Calendar):
-        return lambda queue, counts: _calendar_first(queue, counts)
-    return None
+@dispatched(**INTERNAL)
+def add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
+    """Event of i with j at `time`."""
+    raise TypeError("not a store")
 
 
-def prefetch_entry(queue: Any, i: int) -> None:
-    """Hints to the processor that particle i's entry is about to change."""
-    raise TypeError(f"not a queue: {type(queue).__name__}")
+@dispatched(**INTERNAL)
+def pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+    """Drops i's next event from a store that keeps the others; elsewhere all are predicted anew."""
+    raise TypeError("not a store")
 
 
-@overload(prefetch_entry, strict=False, jit_options=INTERNAL)
-def _prefetch_entry(queue: Any, i: int) -> Any:
-    if _is(queue, Tree):
-        return lambda queue, i: _tree_prefetch(queue, i)
-    if _is(queue, Calendar):
-        return lambda queue, i: _calendar_prefetch(queue, i)
-    return None
+# -- the earliest event of each owner --------------------------------------------------------------
 
 
-# -- the stores ------------------------------------------------------------------------------------
+@implements(drop_events, Earliest)
+def _earliest_drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+    rows[i, NEXT] = NEVER
+    ints[i, PARTNER] = -1
+
+
+@implements(keeps_all, Earliest)
+def _earliest_keeps_all(store: Any) -> bool:
+    return False
+
+
+@implements(has_room, Earliest)
+def _earliest_has_room(store: Any, number: int) -> bool:
+    return True
+
+
+@implements(add, Earliest)
+def _earliest_add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
+    # where the partner has an earlier event, this one will be predicted again after that, if it is still due
+    if time < rows[i, NEXT] and time < rows[j, NEXT]:
+        rows[i, NEXT] = time
+        ints[i, PARTNER], ints[i, PARTNER_COUNT] = j, ints[j, COUNT]
+
+
+@implements(pop, Earliest)
+def _earliest_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+    pass
+
+
+# -- all events of each owner ----------------------------------------------------------------------
 
 
 @inline_internal
@@ -304,7 +345,7 @@ def _lists_publish_head(store: Any, rows: Any, ints: Any, i: int) -> None:
         ints[i, PARTNER_COUNT] = store.count[node]
 
 
-@inline_internal
+@implements(pop, Lists)
 def _lists_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     node = store.heads[i]
     store.heads[i] = store.after[node]
@@ -315,84 +356,23 @@ def _lists_pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
     _lists_publish_head(store, rows, ints, i)
 
 
-def drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
-    """Drops every pair event that i owns."""
-    raise TypeError(f"not a store: {type(store).__name__}")
+@implements(drop_events, Lists)
+def _lists_drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
+    _lists_drop(store, counts, i)
+    _lists_publish_head(store, rows, ints, i)
 
 
-@overload(drop_events, strict=False, jit_options=INTERNAL)
-def _drop_events(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
-    if _is(store, Earliest):
-
-        def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
-            rows[i, NEXT] = NEVER
-            ints[i, PARTNER] = -1
-
-        return earliest
-
-    def lists(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
-        _lists_drop(store, counts, i)
-        _lists_publish_head(store, rows, ints, i)
-
-    return lists
+@implements(keeps_all, Lists)
+def _lists_keep_all(store: Any) -> bool:
+    return True
 
 
-def keeps_all(store: Any) -> bool:
-    """Whether the store keeps every event of an owner, not the earliest alone."""
-    raise TypeError(f"not a store: {type(store).__name__}")
+@implements(has_room, Lists)
+def _lists_have_room(store: Any, number: int) -> bool:
+    return store.free[1] >= number
 
 
-@overload(keeps_all, strict=False, jit_options=INTERNAL)
-def _keeps_all(store: Any) -> Any:
-    if _is(store, Lists):
-        return lambda store: True
-    return lambda store: False
-
-
-def has_room(store: Any, number: int) -> bool:
-    """Whether the store can take so many events more."""
-    raise TypeError(f"not a store: {type(store).__name__}")
-
-
-@overload(has_room, strict=False, jit_options=INTERNAL)
-def _has_room(store: Any, number: int) -> Any:
-    if _is(store, Lists):
-        return lambda store, number: store.free[1] >= number
-    return lambda store, number: True
-
-
-def add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
-    """Event of i with j at `time`."""
-    raise TypeError(f"not a store: {type(store).__name__}")
-
-
-@overload(add, strict=False, jit_options=INTERNAL)
-def _add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> Any:
-    if _is(store, Earliest):
-
-        def earliest(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
-            # where the partner has an earlier event, this one will be predicted again after that, if it is still due
-            if time < rows[i, NEXT] and time < rows[j, NEXT]:
-                rows[i, NEXT] = time
-                ints[i, PARTNER], ints[i, PARTNER_COUNT] = j, ints[j, COUNT]
-
-        return earliest
-
-    def lists(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
-        _lists_add(store, counts, i, time, j, ints[j, COUNT])
-        _lists_publish_head(store, rows, ints, i)
-
-    return lists
-
-
-def pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> None:
-    """Drops i's next event from a store that keeps the others; elsewhere all are predicted anew."""
-    raise TypeError(f"not a store: {type(store).__name__}")
-
-
-@overload(pop, strict=False, jit_options=INTERNAL)
-def _pop(store: Any, rows: Any, ints: Any, counts: Any, i: int) -> Any:
-    if _is(store, Lists):
-        return lambda store, rows, ints, counts, i: _lists_pop(store, rows, ints, counts, i)
-
-    return lambda store, rows, ints, counts, i: None
+@implements(add, Lists)
+def _lists_add_event(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
+    _lists_add(store, counts, i, time, j, ints[j, COUNT])
+    _lists_publish_head(store, rows, ints, i)

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numba.extending import overload, register_jitable
 
+from refimpl.compilation import compiled
 from refimpl.lattice.kernels.words import (
     WIDTH,
     any_bit,
@@ -55,35 +55,47 @@ def _word(key, draw, place):  # type: ignore[no-untyped-def]
     return random_word(key, lanes() + np.uint64(draw * ROW + place))
 
 
+def _without_draws(model, occupied, key, place):  # type: ignore[no-untyped-def]
+    return collided(model, occupied, ())[0]
+
+
+def _with_one_draw(model, occupied, key, place):  # type: ignore[no-untyped-def]
+    return collided(model, occupied, (_word(key, 0, place),))[0]
+
+
+def _with_two_draws(model, occupied, key, place):  # type: ignore[no-untyped-def]
+    return collided(model, occupied, (_word(key, 0, place), _word(key, 1, place)))[0]
+
+
+def _with_rejection(model, occupied, key, place):  # type: ignore[no-untyped-def]
+    bits = (_word(key, 0, place), _word(key, 1, place))
+    after, again = collided(model, occupied, bits)
+    draw = 2
+    while any_bit(again):
+        bits = chosen(again, (_word(key, draw, place), _word(key, draw + 1, place)), bits)
+        after, again = collided(model, occupied, bits)
+        draw += 2
+    return after
+
+
+def _collision(outcomes):  # type: ignore[no-untyped-def]
+    """What `_collide` does for a collision table."""
+    number = draws(outcomes)
+    if number > 2:
+        raise ValueError(f"a state has too many outcomes for two random bits: {number} are needed")
+    if number == 2 and program(outcomes).rejected is not None:
+        return _with_rejection
+    return (_without_draws, _with_one_draw, _with_two_draws)[number]
+
+
 def _collide(model, occupied, key, place):  # type: ignore[no-untyped-def]
     """Collision of WIDTH words at `place` of a row; compiled to what the model's table needs."""
+    return _collision(model.outcomes)(model, occupied, key, place)
 
 
 @overload(_collide, jit_options={"forceinline": True, "error_model": "numpy"})
 def _collide_compiled(model, occupied, key, place):  # type: ignore[no-untyped-def]
-    number = draws(model.outcomes)
-    if number == 0:
-        return lambda model, occupied, key, place: collided(model, occupied, ())[0]
-    if number == 1:
-        return lambda model, occupied, key, place: collided(model, occupied, (_word(key, 0, place),))[0]
-    if number != 2:
-        raise ValueError(f"a state has too many outcomes for two random bits: {number} are needed")
-    if program(model.outcomes).rejected is None:
-        return lambda model, occupied, key, place: collided(
-            model, occupied, (_word(key, 0, place), _word(key, 1, place))
-        )[0]
-
-    def with_rejection(model, occupied, key, place):  # type: ignore[no-untyped-def]
-        bits = (_word(key, 0, place), _word(key, 1, place))
-        after, again = collided(model, occupied, bits)
-        draw = 2
-        while any_bit(again):
-            bits = chosen(again, (_word(key, draw, place), _word(key, draw + 1, place)), bits)
-            after, again = collided(model, occupied, bits)
-            draw += 2
-        return after
-
-    return with_rejection
+    return _collision(model.outcomes)
 
 
 @register_jitable
@@ -111,7 +123,7 @@ def _seal(planes, channels, base, size, columns):  # type: ignore[no-untyped-def
         planes[shift + base - 1] = tail << np.uint64(63)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(cache=True, nogil=True)
 def seal(planes, shape):  # type: ignore[no-untyped-def]
     """Periodic images at the ends of all rows."""
     rows, columns, _, stride, size = shape
@@ -119,7 +131,7 @@ def seal(planes, shape):  # type: ignore[no-untyped-def]
         _seal(planes, len(planes) // size, row * stride + PAD, size, columns)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(cache=True, nogil=True)
 def advance(  # type: ignore[no-untyped-def]
     model, source, target, walls, wall_draws, push, shape, stretch, seed, step, steps
 ):
@@ -183,7 +195,7 @@ def _ones(word):  # type: ignore[no-untyped-def]
     return np.int64((word * np.uint64(0x0101010101010101)) >> np.uint64(56))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(cache=True, nogil=True)
 def populations(planes, counts, shape):  # type: ignore[no-untyped-def]
     """Particles of each block and channel, added to counts (blocks in y, blocks in x, b): equal blocks."""
     rows, columns, _, stride, size = shape

@@ -3,6 +3,9 @@
 LLVM splits the type on machines with narrower registers. Operators: ~, and & | ^ + * >> between wide words or with one
 uint64 for all lanes. Functions of a model (`arrivals`, `collided` ...) take the model's *type*, which
 holds its table: the logic is laid out while the kernel is compiled, and the kernel is kept on disk with it.
+
+Where kernels run as plain Python, a wide word is a numpy array of `WIDTH` uint64. What a model does is written once, in
+operators: on `_Written` values they write instructions, on arrays they compute.
 """
 
 from __future__ import annotations
@@ -14,12 +17,14 @@ from functools import cache
 from typing import Any
 
 import llvmlite.ir as ir
+import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import NativeValue, intrinsic, models, register_model, typeof_impl, unbox
+from numba.extending import NativeValue, models, register_model, typeof_impl, unbox
 
+from refimpl.compilation import instruction
 from refimpl.lattice.logic import program
 from refimpl.lattice.models import Model
 
@@ -124,6 +129,56 @@ def _invert(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.not_(args[0])
 
 
+class _Written:
+    """A value of the code that is being written, a wide word or an index: operators write instructions.
+
+    builder: writes them. value: LLVM's. The other operand may be a Python integer.
+    """
+
+    def __init__(self, builder: Any, value: Any) -> None:
+        self.builder, self.value = builder, value
+
+    def _with(self, instruction: str, other: Any) -> _Written:
+        if not isinstance(other, _Written):
+            kind = self.value.type
+            constant = _constant(other) if kind == _WIDE else ir.Constant(kind, other)
+            return _Written(self.builder, getattr(self.builder, instruction)(self.value, constant))
+        return _Written(self.builder, getattr(self.builder, instruction)(self.value, other.value))
+
+    def __and__(self, other: Any) -> _Written:
+        return self._with("and_", other)
+
+    def __or__(self, other: Any) -> _Written:
+        return self._with("or_", other)
+
+    def __xor__(self, other: Any) -> _Written:
+        return self._with("xor", other)
+
+    def __add__(self, other: Any) -> _Written:
+        return self._with("add", other)
+
+    def __mul__(self, other: Any) -> _Written:
+        return self._with("mul", other)
+
+    def __lshift__(self, other: Any) -> _Written:
+        return self._with("shl", other)
+
+    def __rshift__(self, other: Any) -> _Written:
+        return self._with("lshr", other)
+
+    def __invert__(self) -> _Written:
+        return _Written(self.builder, self.builder.not_(self.value))
+
+
+def _written(builder: Any, value: Any, number: int) -> list[Any]:
+    """The members of a tuple."""
+    return [_Written(builder, builder.extract_value(value, i)) for i in range(number)]
+
+
+def _as_tuple(context: Any, builder: Any, kind: Any, members: Any) -> Any:
+    return context.make_tuple(builder, kind, [member.value for member in members])
+
+
 # -- memory ----------------------------------------------------------------------------------------------------
 
 
@@ -132,7 +187,7 @@ def _pointer(context: Any, builder: Any, array_type: Any, array: Any, index: Any
     return builder.bitcast(builder.gep(data, [index]), _WIDE.as_pointer())
 
 
-@intrinsic
+@instruction(lambda words, index: words[index : index + WIDTH].copy())
 def load(typing: Any, words: Any, index: Any) -> Any:
     """words[index : index + WIDTH]."""
 
@@ -142,19 +197,19 @@ def load(typing: Any, words: Any, index: Any) -> Any:
     return wide(words, types.intp), code
 
 
-@intrinsic
+@instruction(lambda value: np.full(WIDTH, value, dtype=np.uint64))
 def splat(typing: Any, value: Any) -> Any:
     """One uint64 in all lanes."""
     return wide(types.uint64), lambda context, builder, sig, args: _splat(builder, args[0])
 
 
-@intrinsic
+@instruction(lambda: np.arange(WIDTH, dtype=np.uint64))
 def lanes(typing: Any) -> Any:
     """0, 1, ... WIDTH - 1."""
     return wide(), lambda context, builder, sig, args: ir.Constant(_WIDE, list(range(WIDTH)))
 
 
-@intrinsic
+@instruction(lambda value: bool(value.any()))
 def any_bit(typing: Any, value: Any) -> Any:
     """Whether any bit is set."""
 
@@ -166,7 +221,7 @@ def any_bit(typing: Any, value: Any) -> Any:
     return types.boolean(wide), code
 
 
-@intrinsic
+@instruction(lambda value: sum(word.bit_count() for word in value.tolist()))
 def population(typing: Any, value: Any) -> Any:
     """Number of bits set."""
 
@@ -185,11 +240,26 @@ def population(typing: Any, value: Any) -> Any:
 # -- what a model does to wide words -----------------------------------------------------------------------------
 
 
-def _parts(builder: Any, value: Any, number: int) -> list[Any]:
-    return [builder.extract_value(value, i) for i in range(number)]
+def _arrived(kind: ModelType, odd: int, read: Any, below: Any, here: Any, above: Any, size: Any) -> tuple[Any, ...]:
+    """read: gives the wide word at a place."""
+    found = []
+    for i, (a, b) in enumerate(kind.integers):
+        place = {1: below, 0: here, -1: above}[b] + size * i
+        shift = (a + (odd - b) % 2 - odd) // 2 if kind.half_rows else a
+        word = read(place)
+        if shift == 1:
+            word = (word << 1) | (read(place + -1) >> 63)
+        elif shift == -1:
+            word = (word >> 1) | (read(place + 1) << 63)
+        found.append(word)
+    return tuple(found)
 
 
-@intrinsic(prefer_literal=True)
+def _plain_arrivals(model: Model, odd: int, planes: Any, below: int, here: int, above: int, size: int) -> Any:
+    return _arrived(_type_of(model), odd, lambda place: planes[place : place + WIDTH], below, here, above, size)
+
+
+@instruction(_plain_arrivals, prefer_literal=True)
 def arrivals(typing: Any, model: Any, odd: Any, planes: Any, below: Any, here: Any, above: Any, size: Any) -> Any:
     """The occupations that propagation brings to WIDTH words of a row, one wide word a channel.
 
@@ -198,77 +268,83 @@ def arrivals(typing: Any, model: Any, odd: Any, planes: Any, below: Any, here: A
     """
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        _, _, array, below_, here_, above_, size_ = args
-        one, top = _constant(1), _constant(63)
-        found = []
-        for i, (a, b) in enumerate(model.integers):
-            base = {1: below_, 0: here_, -1: above_}[b]
-            index = builder.add(base, builder.mul(size_, ir.Constant(_LANE, i)))
-            shift = (a + (odd.literal_value - b) % 2 - odd.literal_value) // 2 if model.half_rows else a
-            word = builder.load(_pointer(context, builder, sig.args[2], array, index), align=8)
-            if shift:
-                aside = builder.add(index, ir.Constant(_LANE, -shift))
-                other = builder.load(_pointer(context, builder, sig.args[2], array, aside), align=8)
-                if shift == 1:
-                    word = builder.or_(builder.shl(word, one), builder.lshr(other, top))
-                else:
-                    word = builder.or_(builder.lshr(word, one), builder.shl(other, top))
-            found.append(word)
-        return context.make_tuple(builder, sig.return_type, found)
+        def read(place: _Written) -> _Written:
+            where = _pointer(context, builder, sig.args[2], args[2], place.value)
+            return _Written(builder, builder.load(where, align=8))
+
+        places = [_Written(builder, value) for value in args[3:]]
+        return _as_tuple(context, builder, sig.return_type, _arrived(model, odd.literal_value, read, *places))
 
     whole = types.intp
     return types.UniTuple(wide, model.channels)(model, odd, planes, whole, whole, whole, whole), code
 
 
-def _run(builder: Any, operations: Any, values: list[Any]) -> None:
-    for name, a, b in operations:
-        x, y = values[a], values[b]
-        if name == "not":
-            values.append(builder.not_(x))
-        elif name in ("andnot", "ornot"):
-            join = builder.and_ if name == "andnot" else builder.or_
-            values.append(join(x, builder.not_(y)))
-        else:
-            values.append({"and": builder.and_, "or": builder.or_, "xor": builder.xor}[name](x, y))
+_OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
+    "and": operator.and_,
+    "or": operator.or_,
+    "xor": operator.xor,
+    "andnot": lambda x, y: x & ~y,
+    "ornot": lambda x, y: x | ~y,
+    "not": lambda x, y: ~x,
+}
 
 
-@intrinsic
+def _after_collision(kind: ModelType, occupied: Any, random: Any) -> tuple[tuple[Any, ...], Any]:
+    """None in place of the sites to be drawn again where there never are any."""
+    logic = program(kind.outcomes)
+    values = [*occupied, *random]
+    for name, a, b in logic.operations:
+        values.append(_OPERATIONS[name](values[a], values[b]))
+    after = [n if toggle is None else n ^ values[toggle] for n, toggle in zip(occupied, logic.toggles, strict=True)]
+    return tuple(after), None if logic.rejected is None else values[logic.rejected]
+
+
+def _plain_collided(model: Model, occupied: Any, random: Any) -> Any:
+    after, again = _after_collision(_type_of(model), occupied, random)
+    return after, np.zeros(WIDTH, dtype=np.uint64) if again is None else again
+
+
+@instruction(_plain_collided)
 def collided(typing: Any, model: Any, occupied: Any, random: Any) -> Any:
     """Occupations after the collision, and the sites whose random bits must be drawn again."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        logic = program(model.outcomes)
-        before = _parts(builder, args[1], model.channels)
-        values = before + _parts(builder, args[2], logic.draws)
-        _run(builder, logic.operations, values)
-        after = [
-            n if toggle is None else builder.xor(n, values[toggle])
-            for n, toggle in zip(before, logic.toggles, strict=True)
-        ]
-        again = _constant(0) if logic.rejected is None else values[logic.rejected]
+        bits = _written(builder, args[2], program(model.outcomes).draws)
+        after, again = _after_collision(model, _written(builder, args[1], model.channels), bits)
         occupations, both = sig.return_type.types[0], sig.return_type
-        return context.make_tuple(builder, both, [context.make_tuple(builder, occupations, after), again])
+        members = [_as_tuple(context, builder, occupations, after), _constant(0) if again is None else again.value]
+        return context.make_tuple(builder, both, members)
 
     return types.Tuple((types.UniTuple(wide, model.channels), wide))(model, occupied, random), code
 
 
-@intrinsic
+def _after_reflection(kind: ModelType, found: Any, flip_x: Any, flip_y: Any) -> tuple[Any, ...]:
+    for flip, image in zip((flip_x, flip_y), kind.mirror, strict=True):
+        found = [n ^ (flip & (n ^ found[image[i]])) for i, n in enumerate(found)]
+    return tuple(found)
+
+
+@instruction(lambda model, *words: _after_reflection(_type_of(model), *words))
 def reflected(typing: Any, model: Any, occupied: Any, flip_x: Any, flip_y: Any) -> Any:
     """Occupations with their x component reversed where flip_x is set, the y component where flip_y is."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        found = _parts(builder, args[1], model.channels)
-        for mask, image in zip(args[2:], model.mirror, strict=True):
-            found = [
-                builder.xor(found[i], builder.and_(mask, builder.xor(found[i], found[image[i]])))
-                for i in range(model.channels)
-            ]
-        return context.make_tuple(builder, sig.return_type, found)
+        flips = [_Written(builder, value) for value in args[2:]]
+        found = _after_reflection(model, _written(builder, args[1], model.channels), *flips)
+        return _as_tuple(context, builder, sig.return_type, found)
 
     return types.UniTuple(wide, model.channels)(model, occupied, wide, wide), code
 
 
-@intrinsic
+def _after_push(kind: ModelType, occupied: Any, along: Any, against: Any) -> tuple[tuple[Any, ...], Any]:
+    found, back = list(occupied), kind.mirror[0][0]
+    plus, minus = found[0], found[back]
+    differ = (along & (minus & ~plus)) | (against & (plus & ~minus))
+    found[0], found[back] = plus ^ differ, minus ^ differ
+    return tuple(found), differ
+
+
+@instruction(lambda model, *words: _after_push(_type_of(model), *words))
 def pushed(typing: Any, model: Any, occupied: Any, along: Any, against: Any) -> Any:
     """Particles moved from the channel -x to an empty channel +x where `along` is set, back where `against` is.
 
@@ -276,39 +352,43 @@ def pushed(typing: Any, model: Any, occupied: Any, along: Any, against: Any) -> 
     """
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        found = _parts(builder, args[1], model.channels)
-        back = model.mirror[0][0]
-        plus, minus = found[0], found[back]
-        differ = builder.and_(args[2], builder.and_(minus, builder.not_(plus)))
-        differ = builder.or_(differ, builder.and_(args[3], builder.and_(plus, builder.not_(minus))))
-        found[0], found[back] = builder.xor(plus, differ), builder.xor(minus, differ)
+        masks = [_Written(builder, value) for value in args[2:]]
+        found, moved = _after_push(model, _written(builder, args[1], model.channels), *masks)
         occupations, both = sig.return_type.types[0], sig.return_type
-        return context.make_tuple(builder, both, [context.make_tuple(builder, occupations, found), differ])
+        return context.make_tuple(builder, both, [_as_tuple(context, builder, occupations, found), moved.value])
 
     return types.Tuple((types.UniTuple(wide, model.channels), wide))(model, occupied, wide, wide), code
 
 
-@intrinsic
+def _mixed(mask: Any, where: Any, elsewhere: Any) -> tuple[Any, ...]:
+    return tuple(b ^ (mask & (a ^ b)) for a, b in zip(where, elsewhere, strict=True))
+
+
+@instruction(_mixed)
 def chosen(typing: Any, mask: Any, where: Any, elsewhere: Any) -> Any:
     """Tuples of wide words: `where` at the bits of the mask, `elsewhere` at the others."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        number = sig.return_type.count
-        pairs = zip(_parts(builder, args[1], number), _parts(builder, args[2], number), strict=True)
-        mixed = [builder.xor(b, builder.and_(args[0], builder.xor(a, b))) for a, b in pairs]
-        return context.make_tuple(builder, sig.return_type, mixed)
+        both = [_written(builder, value, sig.return_type.count) for value in args[1:]]
+        return _as_tuple(context, builder, sig.return_type, _mixed(_Written(builder, args[0]), *both))
 
     return where(wide, where, where), code
 
 
-@intrinsic
+def _plain_store(occupied: Any, planes: Any, here: int, size: int) -> None:
+    for i, word in enumerate(occupied):
+        planes[here + size * i : here + size * i + WIDTH] = word
+
+
+@instruction(_plain_store)
 def store(typing: Any, occupied: Any, planes: Any, here: Any, size: Any) -> Any:
     """Writes a wide word a channel at `here`, a multiple of WIDTH in an array aligned to 64 bytes."""
 
     def code(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        for i, word in enumerate(_parts(builder, args[0], sig.args[0].count)):
-            index = builder.add(args[2], builder.mul(args[3], ir.Constant(_LANE, i)))
-            builder.store(word, _pointer(context, builder, sig.args[1], args[1], index), align=8 * WIDTH)
+        here_, size_ = _Written(builder, args[2]), _Written(builder, args[3])
+        for i, word in enumerate(_written(builder, args[0], sig.args[0].count)):
+            place = (here_ + size_ * i).value
+            builder.store(word.value, _pointer(context, builder, sig.args[1], args[1], place), align=8 * WIDTH)
         return context.get_dummy_value()
 
     return types.void(occupied, planes, types.intp, types.intp), code

@@ -37,11 +37,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numba.extending import register_jitable
 
+from refimpl.compilation import implements
 from refimpl.stepping.forces.generic import (
     accelerate,
     energy_and_virial,
     enlarge,
-    implements,
     kinetic_energy,
     periods,
     renew,

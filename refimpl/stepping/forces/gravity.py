@@ -6,15 +6,14 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
+from refimpl.compilation import compiled, implements
 from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
     accelerate,
     energy_and_virial,
-    implements,
     kinetic_energy,
     potential_energy,
     status,
@@ -82,7 +81,7 @@ def gravity(mass: np.ndarray, dimension: int, G: float = 1.0, softening: float |
     )
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def plain_acceleration(r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softening: float | None) -> np.ndarray:
     """a_i = -G sum_j m_j (r_i - r_j)/(r_ij^2 + s^2)^(3/2), shape (N*d,), each pair once.
 

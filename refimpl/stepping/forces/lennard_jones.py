@@ -23,16 +23,15 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
+from refimpl.compilation import compiled, implements
 from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
     accelerate,
     energy_and_virial,
     enlarge,
-    implements,
     kinetic_energy,
     periods,
     potential_energy,
@@ -340,7 +339,7 @@ def tail_corrections(force: LennardJones) -> Tails:
     return Tails(energy, work, work / (dimension * volume))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def _copy_parameters_to_slots(  # type: ignore[no-untyped-def]
     lists, species, species_epsilon, species_sigma, slot_size, slot_strength
 ):

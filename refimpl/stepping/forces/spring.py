@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import register_jitable
 
+from refimpl.compilation import implements
 from refimpl.stepping.forces.generic import (
     accelerate,
     derivatives,
-    implements,
     kinetic_energy,
     potential_energy,
     virial,

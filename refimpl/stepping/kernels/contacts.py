@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from refimpl.compilation import compiled
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
 from refimpl.stepping.kernels.compiled import internal
 from refimpl.stepping.kernels.neighbours import FAR, LOST, ROUNDING, SAFE
@@ -469,7 +469,7 @@ def _cylinder(force, inverse_inertias, elapsed, r, v, a, on_wall):  # type: igno
     return torque
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def grain_accelerations(force, r, v, a):  # type: ignore[no-untyped-def]
     """Accelerations, angular accelerations, and rates of the tallies, to `a`; NaN where the list cannot be made.
 
@@ -514,7 +514,7 @@ def _spring_energy(law: Any, model: ContactModel, delta: float, radius: float) -
     return law[STIFFNESS] * delta * delta * (0.4 * np.sqrt(delta * radius) if model.hertz else 0.5)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def elastic_energy(force, r):  # type: ignore[no-untyped-def]
     """Energy of the normal springs of all contacts, and the pairs' sum of r_ij . F_ij by them; NaN without a list.
 

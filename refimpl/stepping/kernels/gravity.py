@@ -19,7 +19,8 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
+
+from refimpl.compilation import compiled
 
 # Sums may be reordered, products and sums fused. Operands may be NaN; division and root are not approximated.
 _REORDER = {"reassoc", "contract", "nsz"}
@@ -28,14 +29,14 @@ _PAGE = 512  # doubles in 4096 bytes
 _SHIFT = 72  # doubles: 9 cache lines, so that the first seven rows of a work array start far apart modulo a page
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def _work_rows(count: int, n: int) -> np.ndarray:
     """`count` uninitialised rows of at least `n` doubles, shape (count, stride)."""
     stride = (n + _PAGE - 1) // _PAGE * _PAGE + _SHIFT
     return np.empty((count, stride))
 
 
-@njit(cache=True, error_model="numpy", fastmath=_REORDER)
+@compiled(cache=True, fastmath=_REORDER)
 def acceleration(r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softening: float | None) -> np.ndarray:
     """a_i = -G sum_j m_j (r_i - r_j)/(r_ij^2 + s^2)^(3/2), shape (N*d,); see `plain_acceleration`."""
     n = mass.size
@@ -88,7 +89,7 @@ def acceleration(r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softe
     return a
 
 
-@njit(cache=True, error_model="numpy", fastmath=_REORDER)
+@compiled(cache=True, fastmath=_REORDER)
 def energy_and_virial(
     r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softening: float | None
 ) -> tuple[float, float]:
@@ -133,7 +134,7 @@ def energy_and_virial(
     return -G * energy, -G * virial
 
 
-@njit(cache=True, error_model="numpy", fastmath=_REORDER)
+@compiled(cache=True, fastmath=_REORDER)
 def all_finite(a: np.ndarray) -> bool:
     """True if no element of `a` is infinite or NaN."""
     total = 0.0

@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
+from refimpl.compilation import compiled
 from refimpl.stepping.kernels.compiled import inline_internal
 from refimpl.stepping.kernels.simd import (
     WIDTH,
@@ -186,7 +186,7 @@ def _divide(force, mass, masses, particle):  # type: ignore[no-untyped-def]
     return force
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def tile_accelerations(force, r, a):  # type: ignore[no-untyped-def]
     """Accelerations `a` of the particles at the coordinates `r`, both of shape (N*d,), from valid lists.
 
@@ -251,7 +251,7 @@ def _add_energy(packed, sides, pairs, tile, j, itself, sums):  # type: ignore[no
     return energy + where(within, u, zeros()), work + where(within, w, zeros())
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def tile_energy(force):  # type: ignore[no-untyped-def]
     """Potential energy and virial of the pairs of a `LennardJones` force, from valid lists."""
     neighbours = force.neighbours
@@ -273,7 +273,7 @@ def tile_energy(force):  # type: ignore[no-untyped-def]
     return 0.5 * all_energy, 0.5 * all_work
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def wall_energy(walls, sides, lengths, r):  # type: ignore[no-untyped-def]
     """Energy of particles between the walls, 0 at the walls' cutoff."""
     energy = 0.0
@@ -289,7 +289,7 @@ def wall_energy(walls, sides, lengths, r):  # type: ignore[no-untyped-def]
     return energy
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def between_walls(sides, lengths, r):  # type: ignore[no-untyped-def]
     """True if every particle is strictly between the faces 0 and lengths[k] of each axis k that is not periodic."""
     inside = True

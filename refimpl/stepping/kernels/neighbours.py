@@ -31,9 +31,9 @@ from math import ceil, prod
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
+from refimpl.compilation import compiled
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
 from refimpl.stepping.kernels.compiled import inline_internal, internal
 from refimpl.stepping.kernels.simd import WIDTH, any_lane, load, load_splat, splat
@@ -213,7 +213,7 @@ def _record(dimension: int) -> int:
     return 4 if dimension == 3 else 2
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def update(neighbours: Neighbours, r: np.ndarray) -> int:
     """Moves the slots to the coordinates `r`, shape (N*d,); rebuilds the lists if they might miss a pair.
 
@@ -343,7 +343,7 @@ def _copy_images(neighbours: Neighbours) -> None:
         image += count
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def copy_to_slots(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray) -> None:
     """Copies the `values` of the particles, shape (N,), to their slots and images; other `slots` keep theirs."""
     for slot in range(len(neighbours.order)):

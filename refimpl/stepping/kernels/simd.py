@@ -8,6 +8,9 @@ relaxed, and division and square root are exact to half a unit in the last place
 Loads and stores do not check bounds, and do not know negative indices: the caller must see to both. Everything is a
 module-level function without compiled code of its own, so that kernels which use it are found in numba's cache by every
 process. (A change of this file does not make those caches stale: touch the kernels' files too.)
+
+Where kernels run as plain Python, a vector is a numpy array of `WIDTH` doubles. Nothing is fused there: results differ
+from the compiled ones by rounding.
 """
 
 from __future__ import annotations
@@ -17,9 +20,12 @@ from collections.abc import Callable
 from typing import Any
 
 import llvmlite.ir as ir
+import numpy as np
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
+from numba.extending import lower_builtin, models, register_model, type_callable
+
+from refimpl.compilation import instruction
 
 #: Lanes of a vector.
 WIDTH = 8
@@ -28,6 +34,7 @@ _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, WIDTH)
 _MASK = ir.VectorType(ir.IntType(1), WIDTH)
 _INDEX = ir.IntType(32)
+_ONES = np.ones(WIDTH)
 
 
 class VectorType(types.Type):  # type: ignore[misc]
@@ -86,11 +93,6 @@ _register_operator(operator.lt, vector, mask, lambda build, a, b: build.fcmp_ord
 _register_operator(operator.eq, vector, mask, lambda build, a, b: build.fcmp_ordered("==", a, b))
 
 
-def _intrinsic(function: Callable[..., Any]) -> Any:
-    """`numba.extending.intrinsic`, untyped: its callers do not pass the typing context that the function takes."""
-    return intrinsic(function)
-
-
 def _splat(builder: Any, value: Any) -> Any:
     first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, _INDEX(0))
     lanes = ir.Constant(ir.VectorType(_INDEX, WIDTH), [0] * WIDTH)
@@ -108,7 +110,7 @@ def _is_doubles(array: Any) -> bool:
     return isinstance(array, types.Array) and array.dtype == types.float64 and array.layout == "C"
 
 
-@_intrinsic
+@instruction(lambda x: x * _ONES)
 def splat(context, x):  # type: ignore[no-untyped-def]
     """The scalar `x` in every lane."""
     if not isinstance(x, types.Float):
@@ -116,20 +118,20 @@ def splat(context, x):  # type: ignore[no-untyped-def]
     return vector(types.float64), lambda context, builder, signature, arguments: _splat(builder, arguments[0])
 
 
-@_intrinsic
+@instruction(lambda: np.zeros(WIDTH))
 def zeros(context):  # type: ignore[no-untyped-def]
     """0.0 in every lane."""
     return vector(), lambda context, builder, signature, arguments: ir.Constant(_VECTOR, [0.0] * WIDTH)
 
 
-@_intrinsic
+@instruction(lambda: np.arange(WIDTH, dtype=np.float64))
 def lanes(context):  # type: ignore[no-untyped-def]
     """The lane numbers 0.0, 1.0, ..."""
     numbers = [float(lane) for lane in range(WIDTH)]
     return vector(), lambda context, builder, signature, arguments: ir.Constant(_VECTOR, numbers)
 
 
-@_intrinsic
+@instruction(lambda array, i: array[i : i + WIDTH].copy())
 def load(context, array, i):  # type: ignore[no-untyped-def]
     """`array[i : i + WIDTH]` of a contiguous float64 array."""
     if not (_is_doubles(array) and isinstance(i, types.Integer)):
@@ -142,7 +144,7 @@ def load(context, array, i):  # type: ignore[no-untyped-def]
     return vector(array, i), generate
 
 
-@_intrinsic
+@instruction(lambda array, i: array[i] * _ONES)
 def load_splat(context, array, i):  # type: ignore[no-untyped-def]
     """`array[i]` of a contiguous float64 array, in every lane."""
     if not (_is_doubles(array) and isinstance(i, types.Integer)):
@@ -154,7 +156,11 @@ def load_splat(context, array, i):  # type: ignore[no-untyped-def]
     return vector(array, i), generate
 
 
-@_intrinsic
+def _plain_store(array: Any, i: int, x: Any) -> None:
+    array[i : i + WIDTH] = x
+
+
+@instruction(_plain_store)
 def store(context, array, i, x):  # type: ignore[no-untyped-def]
     """`array[i : i + WIDTH] = x` for a contiguous float64 array."""
     if not (_is_doubles(array) and isinstance(i, types.Integer) and x == vector):
@@ -168,7 +174,7 @@ def store(context, array, i, x):  # type: ignore[no-untyped-def]
     return types.void(array, i, x), generate
 
 
-@_intrinsic
+@instruction(np.where)
 def where(context, condition, x, y):  # type: ignore[no-untyped-def]
     """Lane by lane: `x` if `condition` else `y`."""
     if not (condition == mask and x == vector and y == vector):
@@ -176,7 +182,7 @@ def where(context, condition, x, y):  # type: ignore[no-untyped-def]
     return vector(condition, x, y), lambda context, builder, signature, arguments: builder.select(*arguments)
 
 
-@_intrinsic
+@instruction(lambda condition: bool(condition.any()))
 def any_lane(context, condition):  # type: ignore[no-untyped-def]
     """True if any lane is."""
     if condition != mask:
@@ -189,7 +195,7 @@ def any_lane(context, condition):  # type: ignore[no-untyped-def]
     return types.boolean(condition), generate
 
 
-@_intrinsic
+@instruction(np.sqrt)
 def square_root(context, x):  # type: ignore[no-untyped-def]
     """Square root of every lane, correctly rounded."""
     if x != vector:
@@ -203,7 +209,13 @@ def square_root(context, x):  # type: ignore[no-untyped-def]
     return vector(x), generate
 
 
-@_intrinsic
+def _plain_total(x: Any) -> float:
+    while len(x) > 1:
+        x = x[::2] + x[1::2]
+    return float(x[0])
+
+
+@instruction(_plain_total)
 def total(context, x):  # type: ignore[no-untyped-def]
     """Sum of the lanes, always added in the same order: neighbours first."""
     if x != vector:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from refimpl.compilation import compiled
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def sum_of_squares(x: np.ndarray) -> float:
     """The sum of x^2, added up in the order of the array `x`: numpy's own sum adds parts of it first."""
     total = 0.0
@@ -15,7 +16,7 @@ def sum_of_squares(x: np.ndarray) -> float:
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(cache=True)
 def sum_in_order(x: np.ndarray) -> float:
     """The sum of the array `x`, added up in its order."""
     total = 0.0

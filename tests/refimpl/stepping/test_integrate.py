@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from numba import njit
 from numba.extending import register_jitable
 
+from refimpl.compilation import implements
 from refimpl.stepping import integrate as module
 from refimpl.stepping.forces.generic import (
     DIVERGED,
@@ -19,7 +20,6 @@ from refimpl.stepping.forces.generic import (
     NEEDS_CAPACITY,
     accelerate,
     enlarge,
-    implements,
     kinetic_energy,
     periods,
     potential_energy,

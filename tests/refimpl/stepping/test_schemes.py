@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crosscheck.references import oscillator
-from refimpl.stepping.forces.generic import accelerate, derivatives, implements
+from refimpl.compilation import implements
+from refimpl.stepping.forces.generic import accelerate, derivatives
 from refimpl.stepping.forces.spring import Spring, spring
 from refimpl.stepping.integrate import integrate
 from refimpl.stepping.schemes import SCHEMES, Scheme

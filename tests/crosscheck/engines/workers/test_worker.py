@@ -10,7 +10,7 @@ import pytest
 
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
-from crosscheck.scene import Box, Explicit, GrainFriction, HardSpheres, Method, Output, Scene, Spring, explicit
+from crosscheck.scene import Box, Explicit, GrainFriction, HardSpheres, Lattice, Method, Output, Scene, Spring, explicit
 
 STEP = Method(scheme="good", dt=0.1)
 SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), initial=Explicit(positions=((1.0,),)))
@@ -326,3 +326,19 @@ def test_close_removes_everything(start: START) -> None:
     assert directory.exists()
     worker.close()
     assert not directory.exists()
+
+
+def test_interpreted_engine_compiles_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "numba"))
+    lattice = Lattice(kind="lattice", structure="square", number=4, temperature=1.0, seed=1)
+    discs = Scene(
+        name="discs", dimension=2, duration=2.0, box=Box(density=0.3), hard_spheres=HardSpheres(), initial=lattice
+    )
+    worker = Worker("refimpl", interpreted=True)
+    try:
+        run = worker.run(discs, Method(scheme="event_driven"))
+    finally:
+        worker.close()
+    assert run.cost.events > 0
+    assert not list(tmp_path.iterdir())
