@@ -2,11 +2,12 @@
 
 What is found is told as the size of a standard normal variable: 4 is what chance does once in 16 000 runs.
 
-Serial correlation: the outcome of a site is given a number z, how many places it is behind the arrived state in the
-circle of states that turn into each other, scaled to mean 0 and variance 1 under the stated probabilities. Over the n
-pairs of sites at a distance (in time, rows and columns) the sum of z z' has mean 0 and variance n, whatever the gas
-has done before, if the later one's random number is new. One transform gives it for all distances at once, so a number
-that is used twice shows wherever that is.
+Serial correlation: the outcome of a site is given a number z, scaled to mean 0 and variance 1 under the stated
+probabilities: its rank among the outcomes of the state; or how many places it is behind the arrived state in the circle
+of states that turn into each other. Codes choose by either, so a random number that is used twice gives equal z of one
+kind also where the states differ. Over the n pairs of sites at a distance (in time, rows and columns) the sum of z z'
+has mean 0 and variance n, whatever the gas has done before, if the later one's random number is new. One transform
+gives it for all distances at once, so a repeat shows wherever it is.
 
 Literature: D. E. Knuth, The Art of Computer Programming 2, 3.3 (chi-square, serial correlation); Z. Sidak, J. Am. Stat.
 Assoc. 62, 626 (1967) (the largest of many).
@@ -115,12 +116,18 @@ def serial(one: Motion, probabilities: Floats, other: Motion | None = None) -> S
     one: steps of a gas. probabilities: M_st of every site, uniform among the outcomes. other: steps of the same gas
     with another seed, with which `one` is compared in place of itself. ValueError if no distance has enough pairs.
     """
-    scores, drawn = _scores(probabilities), (probabilities > 0) & ((probabilities > 0).sum(axis=1, keepdims=True) > 1)
-
-    def marked(gas: Motion) -> tuple[Floats, Floats]:
-        return scores[gas.arrived, gas.after], drawn[gas.arrived, gas.after].astype(np.float64)
-
-    return largest_correlation(*marked(one), *(() if other is None else marked(other)))
+    drawn = (probabilities > 0) & ((probabilities > 0).sum(axis=1, keepdims=True) > 1)
+    best = None
+    for scores in _scores(probabilities):
+        gases = [
+            (scores[gas.arrived, gas.after], drawn[gas.arrived, gas.after].astype(np.float64))
+            for gas in (one, other)
+            if gas is not None
+        ]
+        found = largest_correlation(*(part for gas in gases for part in gas))
+        best = found if best is None or found.largest > best.largest else best
+    assert best is not None
+    return best._replace(largest=as_normal(float(2 * norm.sf(best.largest)), 2), distances=2 * best.distances)
 
 
 def largest_correlation(
@@ -153,16 +160,19 @@ def largest_correlation(
     return Serial(largest, (step if step < steps else step - 2 * steps, row, column), number)
 
 
-def _scores(probabilities: Floats) -> Floats:
-    """z of the outcome t of each state s, (states, states); 0 where s has one outcome."""
-    found = np.zeros_like(probabilities)
+def _scores(probabilities: Floats) -> tuple[Floats, Floats]:
+    """z of the outcome t of each state s, (states, states), by its rank and by its place in the circle.
+
+    0 where s has one outcome.
+    """
+    by_rank, in_circle = np.zeros_like(probabilities), np.zeros_like(probabilities)
     for s, row in enumerate(probabilities):
         possible = np.flatnonzero(row > 0)
         if len(possible) < 2:
             continue
-        # how many places t is behind s in the circle of all states that s and its outcomes are
         circle = np.union1d(possible, [s])
-        rank = (np.searchsorted(circle, possible) - np.searchsorted(circle, s)) % len(circle)
-        mean = row[possible] @ rank
-        found[s, possible] = (rank - mean) / np.sqrt(row[possible] @ (rank - mean) ** 2)
-    return found
+        behind = (np.searchsorted(circle, possible) - np.searchsorted(circle, s)) % len(circle)
+        for found, place in ((by_rank, np.arange(len(possible))), (in_circle, behind)):
+            mean = row[possible] @ place
+            found[s, possible] = (place - mean) / np.sqrt(row[possible] @ (place - mean) ** 2)
+    return by_rank, in_circle

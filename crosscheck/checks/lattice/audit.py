@@ -45,50 +45,22 @@ FACTORS = {
 STEPS, CHUNKS = 3, 4
 #: Rows of the square lattice, and of the triangular one.
 _ROWS = {"few": (3, 4), "least": (1, 2), "more": (4, 6)}
-#: What the first scheme, which may have to be compiled for each of these, is given beside its other features: model ->
-#: walls, and forces.
-_PLAIN = tuple(walls for walls in FACTORS["walls"] if walls.startswith(("bounce", "specular")))
-_DRAWN = tuple(walls for walls in FACTORS["walls"] if walls.startswith("diffusive"))
-_FORCES = FACTORS["force"][1:]
-_OF_FIRST_SCHEME = (
-    ("hpp", ("none",), _FORCES),
-    ("fhp1", _DRAWN, _FORCES),
-    ("fhp2", _PLAIN, ("none",)),
-    ("fhp3", _DRAWN, _FORCES),
-    ("fhp_saturated", ("none",), ("none",)),
-    ("fhp_saturated_identity", _DRAWN, ("none",)),
-)
-
-
-def _of_one_model(model: str, walls: tuple[str, ...], force: tuple[str, ...], **more: tuple[str, ...]) -> Iterable[Row]:
-    """Few rows in which each of these levels occurs, and each one of the features that go with all models."""
-    table: dict[str, tuple[str, ...]] = {
-        **FACTORS,
-        "model": (model,),
-        "walls": walls,
-        "force": force,
-        "reversals": ("no",),
-        **more,
-    }
-    for k in range(max(map(len, table.values()))):
-        yield {name: levels[k % len(levels)] for name, levels in table.items()}
+#: Walls that draw no random numbers.
+_PLAIN = tuple(walls for walls in FACTORS["walls"] if not walls.startswith("diffusive"))
 
 
 @cache
 def rows() -> tuple[list[Row], set[Pair]]:
-    """The rows that are judged, and the pairs of levels that go together in no scene, or in no scene of the quick tier.
+    """The rows that are judged, and the pairs of levels that go together in no scene.
 
-    The latter: first schemes may have to be compiled, so each model goes with few features. The former: only a gas
-    without random numbers can be reversed, and mean occupations do not start from numbers of particles.
+    Only a gas without random numbers can be reversed, so few rows have reversals: in them each level of the other
+    features occurs. Mean occupations do not start from numbers of particles.
     """
-    # a whole number of the widest words matters to those alone who have such words, the first scheme
-    columns = tuple(level for level in FACTORS["columns"] if level != "512")
-    found, _ = covering(
-        {**FACTORS, "columns": columns, "scheme": FACTORS["scheme"][1:], "reversals": ("no",)}, (_valid,)
-    )
-    for model, walls, forces in _OF_FIRST_SCHEME:
-        found += _of_one_model(model, walls, forces, scheme=("first",))
-    found += _of_one_model("hpp", ("none", *_PLAIN), ("none",), scheme=("second", "third"), reversals=("yes",))
+    found, _ = covering({**FACTORS, "reversals": ("no",)}, (_valid,))
+    reversible = {**FACTORS, "walls": _PLAIN, "force": ("none",), "model": ("hpp",), "reversals": ("yes",)}
+    reversible["scheme"] = FACTORS["scheme"][:3]
+    for k in range(max(map(len, reversible.values()))):
+        found.append({name: levels[k % len(levels)] for name, levels in reversible.items()})
     every = {
         ((one, a), (other, b)) for one, other in combinations(FACTORS, 2) for a in FACTORS[one] for b in FACTORS[other]
     }

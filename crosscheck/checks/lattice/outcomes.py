@@ -24,7 +24,7 @@ from crosscheck.scene import Floats, Obstacle, Output, Scene
 from crosscheck.verdict import Judged, Judgement, round_off, statistical, worst
 
 #: Of each model: the place of the scheme that is judged among those that count particles, in the quick tier.
-_SCHEMES = {"fhp1": 2, "fhp2": 2, "fhp3": 1, "fhp_saturated": 0, "fhp_saturated_identity": 2}
+_SCHEMES = {"fhp1": 2, "fhp2": 2, "fhp3": 1, "fhp_saturated": 2, "fhp_saturated_identity": 2}
 #: The density of most head-on pairs, and some of all other states.
 DENSITY = 0.35
 FORCE = -0.37
