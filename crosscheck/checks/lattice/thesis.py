@@ -400,8 +400,8 @@ def _against_layers(layers: _Layers, length: float, right: Floats) -> list[Judge
     free = known.SOUND_SPEED[FHP]
     why = (
         f"standard errors of {MANY} runs at each of two amplitudes, and of nu; boundary layers on both side walls, off "
-        f"by half of the long-time tail, which walls cut off, and by two mean free paths of slip, {layers.doubtful:.2g} "
-        "links"
+        "by half of the long-time tail, which walls cut off, and by two mean free paths of slip, "
+        f"{layers.doubtful:.2g} links"
     )
     return [
         statistical(
