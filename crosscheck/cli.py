@@ -1,4 +1,4 @@
-"""The command line: list, run, simulate, report, show, engines, prove."""
+"""The command line: list, run, simulate, report, show, engines, prove, calibrate."""
 
 from __future__ import annotations
 
@@ -151,6 +151,28 @@ def prove(
     from crosscheck import commands
 
     raise typer.Exit(interruptible(lambda: commands.prove(checks or [], jobs, seed, time_limit)))
+
+
+@app.command()
+def calibrate(
+    checks: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
+    seeds: Annotated[int, typer.Option(help="Number of seeds of the suite, from 0.")] = 100,
+    tier: Annotated[str, typer.Option(help="quick, or full, which contains the quick one.")] = "quick",
+    engine: Engines = None,
+    jobs: Annotated[Optional[int], typer.Option(min=1, help="Runs at a time. Default: one per core.")] = None,  # noqa: UP045
+    out: Annotated[Path, typer.Option("--out", "-o", help="File for the table (Markdown).")] = Path("calibration.md"),
+    time_limit: TimeLimit = TIME_LIMIT,
+) -> None:
+    """Judge statistical cases with many seeds: p-values must be uniform, and deviations seen that should be.
+
+    Exit status: 0 if so, 1 if the p-values of a quantity are not uniform or a case ended in error, 2 bad usage or
+    input.
+    """
+    from crosscheck import commands
+
+    raise typer.Exit(
+        interruptible(lambda: commands.calibrate(checks or [], tier, engine or [], seeds, jobs, out, time_limit))
+    )
 
 
 @app.command()

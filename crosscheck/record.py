@@ -130,6 +130,10 @@ def _content(path: Path, file: Path) -> bytes:
     return file.read_bytes().removeprefix(BOM_UTF8)
 
 
+#: Of a judgement, which older lines of schema 2 lack.
+_NEWER_FIELDS = ("freedom", "doubt", "p_value", "false_alarm")
+
+
 class _OtherSchemaError(ValueError):
     """A line of a schema that this version does not read."""
 
@@ -149,6 +153,9 @@ def _verdict(data: bytes) -> Line:
         check_form(line, 1)
         line = _from_schema_1(line)
     check_form(line, SCHEMA)
+    for judgement in line["judgements"]:
+        for name in _NEWER_FIELDS:
+            judgement.setdefault(name, None)
     return line
 
 

@@ -159,6 +159,10 @@ class _Judgement(TypedDict):
     sensitivity: Number
     criterion: _Criterion
     sigmas: Number
+    freedom: NotRequired[Number]
+    doubt: NotRequired[Number]
+    p_value: NotRequired[Number]
+    false_alarm: NotRequired[Number]
     control: bool
     note: str
 

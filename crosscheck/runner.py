@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from itertools import pairwise
 from pathlib import Path
@@ -20,7 +20,7 @@ from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EndedEarly, EngineError, EngineMissing, Unsupported, UsageError
-from crosscheck.verdict import Verdict, bounded, findings
+from crosscheck.verdict import Verdict, again, bounded, findings, suspicious
 
 
 @dataclass(frozen=True)
@@ -147,18 +147,22 @@ def close_pools() -> None:
     _local.__dict__.clear()
 
 
-def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> Verdict:
+def judge(
+    case: Case, seed: int, overlay: Path | None = None, time_limit: float = TIME_LIMIT, repeat: bool = True
+) -> Verdict:
     """The verdict of one case.
 
+    A case in which statistical judgements alone are red runs again with other random numbers: see `verdict.again`.
     Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, "fail" if it ended a run early
     that the check needs whole, else "error". case: what to run. seed: the suite's seed. overlay: a directory with a
     copy of `refimpl` with a planted fault; None: the installed one. time_limit: seconds that one run of an engine may
-    take.
+    take. repeat: what is suspicious runs again; else it is red.
     """
     check = find(case.check)
     pool = _pool(overlay, time_limit)
     schemes = engine_class(case.engine).schemes
     laboratory = Laboratory(case.engine, schemes, pool, case.name, seed, interpreted=check.interpreted)
+    repeated = replace(laboratory, case=f"{case.name}/again")  # the same sum of costs
     started = time.perf_counter()
     found, message, tier = None, "", "quick"
     try:
@@ -167,6 +171,8 @@ def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float 
             raise UsageError(f"check {check.name} has no variant '{case.variant}' for {case.engine}")
         tier = variant.tier
         found = findings(check.judge(laboratory, variant.value))
+        if repeat and suspicious(found):
+            found = again(found, findings(check.judge(repeated, variant.value)))
         outcome = found.outcome
     except (EngineMissing, Unsupported) as reason:
         outcome, message = "skip", str(reason)

@@ -1,12 +1,14 @@
 """Uncertainties of correlated data, and fitted slopes.
 
-Literature: H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91, 461 (1989) (blocking); U. Wolff, Comput. Phys. Commun.
-156, 143 (2004) (automatic windowing of the autocorrelation sum).
+Literature: U. K. Müller, J. Econometrics 141, 1331 (2007), and E. Lazarus, D. J. Lewis, J. H. Stock and M. W. Watson,
+J. Bus. Econ. Stat. 36, 541 (2018) (the error of a mean from the slowest cosines of its series); U. Wolff, Comput. Phys.
+Commun. 156, 143 (2004) (autocorrelation times and their bias).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,10 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 #: Window of the sum over the autocorrelation function, in autocorrelation times: what is left out is exp(-4) of it.
 WINDOW = 4.0
-#: Effective samples of a series for each degree of freedom of its standard error, and of the error of its trend: the
-#: autocorrelation time is itself estimated, and most often too short where the error is too small. Fitted to simulated
-#: series: see `correlated_mean`, `_trend`.
-_SAMPLES_PER_FREEDOM, _SAMPLES_PER_FREEDOM_OF_TREND = 5.0, 6.0
+#: How many of the slowest components of a series give the error of its mean and of its trend: a share of the number N
+#: of independent samples, so that they are all slow (6 at N = 20); 2 + 0.7 sqrt(N), so that an error of N hardly
+#: matters; no more than 12, since correlations that decay slowly are found among the slowest components alone. Chosen
+#: by the false-alarm rates of simulated series: see docs/verdicts.md.
+_SHARE, _FEWEST, _MOST = 0.3, 6, 12
 #: The shortest series whose trend is tested.
 _SHORTEST_TREND = 8
 
@@ -53,17 +56,17 @@ class Mean(NamedTuple):
 
 
 def correlated_mean(series: ArrayLike) -> Mean:
-    """Mean of a stationary series, its standard error sqrt(2 tau var/n), and its trend, which shows a drift.
+    """Mean of a stationary series, its standard error, and its trend, which shows a drift.
 
-    tau = 1/2 + sum_k rho(k), summed to the first k >= 4 tau (Wolff 2004; N. Madras and A. D. Sokal, J. Stat. Phys. 50,
-    109 (1988)). The variance is corrected for the correlation, var (1 + 2 tau/n). series: (n,), at equal distances in
-    time. ValueError for fewer than 4 values or values that are not finite.
-
-    The error has N/5 degrees of freedom, N = n/2 tau. So many make |mean| > t error as rare as t, the quantile of
-    Student's distribution for 1e-4, promises. Found in 1e5 autoregressive series of n = 400 (n = 50) with mean zero:
-    8e-5 at N = 100, 9e-5 (1e-4) at 20, 2e-4 (7e-4) at 10. N - 1 degrees of freedom gave 4e-4 at 100, 2e-3 at 20, 5e-3
-    at 10.
+    The amplitudes of the slowest cosines of a series scatter as its mean does: a_j = sqrt(2/n) sum_t x_t cos(pi j (t +
+    1/2)/n), for j small beside the number N of independent samples, is independent of the others, and of variance n
+    error^2. So the mean of q such squares gives an error of q degrees of freedom, whatever the correlation; only N,
+    which says how many are slow, follows from the autocorrelation time tau. What the spectrum of an exponential
+    correlation falls by up to the last of them is made up for. series: (n,), at equal distances in time. ValueError for
+    fewer than 4 values or values that are not finite.
     """
+    from scipy.fft import dct
+
     x = np.asarray(series, dtype=np.float64)
     n = x.size
     if n < 4 or not np.isfinite(x).all():
@@ -71,22 +74,26 @@ def correlated_mean(series: ArrayLike) -> Mean:
     if x.min() == x.max():  # a constant: rounding of its mean would give a variance that is not 0
         return Mean(float(x[0]), 0.0, float(n), n - 1.0)
     centred = x - x.mean()
-    variance = float(np.mean(centred**2))
-    tau = _autocorrelation_time(centred)
-    error = np.sqrt(2 * tau * variance / n * (1 + 2 * tau / n))
-    independent = n / (2 * tau)
-    return Mean(float(x.mean()), float(error), independent, independent / _SAMPLES_PER_FREEDOM, _trend(x))
+    independent = n / (2 * _autocorrelation_time(centred, 1))
+    number = _slow_components(independent)
+    amplitudes = dct(centred, norm="ortho")[1 : number + 1]
+    error = np.sqrt(np.mean(amplitudes**2) / n * _fall(number, independent))
+    if number < _FEWEST:  # of so few, all may be small by chance
+        error = max(error, np.sqrt(np.mean(centred**2) / independent))
+    return Mean(float(x.mean()), float(error), independent, float(number), _trend(x))
 
 
 def mean_of_stretches(values: ArrayLike) -> Mean:
     """Mean of values (n,) that are averages over stretches of a run, each much longer than its correlation time.
 
     They are independent: the error has n - 1 degrees of freedom, that of the trend n - 2. Correlation that is left
-    raises the error. ValueError as in `correlated_mean`.
+    raises the error, by sqrt(2 tau). ValueError as in `correlated_mean`.
     """
     x = np.asarray(values, dtype=np.float64)
     mean = correlated_mean(x)
-    error = max(mean.error, float(standard_error(x)))
+    error = 0.0
+    if mean.error > 0:
+        error = float(standard_error(x)) * (2 * _autocorrelation_time(x - x.mean(), 1)) ** 0.5
     trend = None
     if x.size >= _SHORTEST_TREND and mean.trend is not None:
         line = _along(x, 1)
@@ -112,15 +119,35 @@ def combined(value: float, error: float, means: Sequence[Mean]) -> Mean:
     )
 
 
-def _autocorrelation_time(centred: NDArray[np.float64]) -> float:
-    """tau of values (n,) with mean 0 and a variance that is not: see `correlated_mean`; at least 1/2."""
+def _autocorrelation_time(centred: NDArray[np.float64], fitted: int) -> float:
+    """tau of values (n,) from which a polynomial with `fitted` coefficients was taken, not all 0; at least 1/2.
+
+    tau = 1/2 + sum_k rho(k), summed to the first k = W >= 4 tau (N. Madras and A. D. Sokal, J. Stat. Phys. 50, 109
+    (1988)). What the fit takes with it makes it too short by the factor 1 - (2 W + 1)/n for each coefficient, to first
+    order (Wolff 2004, of the mean).
+    """
     n = centred.size
     size = 1 << (2 * n - 1).bit_length()
     spectrum = np.fft.rfft(centred, size)
     rho = np.fft.irfft(spectrum * spectrum.conj(), size)[:n] / (np.arange(n, 0, -1) * np.mean(centred**2))
     tau = 0.5 + np.cumsum(rho[1:])
     stop = np.flatnonzero(np.arange(1, n) >= WINDOW * tau)
-    return max(0.5, float(tau[stop[0]] if stop.size else tau[n // 2 - 1]))
+    last = int(stop[0]) if stop.size else n // 2 - 1
+    return max(0.5, float(tau[last]) * (1 + fitted * (2 * last + 3) / n))
+
+
+def _slow_components(independent: float) -> int:
+    """How many components of a series are slow beside its correlations. independent: number of independent samples."""
+    return max(1, int(min(_SHARE * independent + 1e-9, max(_FEWEST, 2 + 0.7 * independent**0.5), _MOST)))
+
+
+def _fall(last: int, independent: float) -> float:
+    """By how much the square of an error is too small: (1 + x^2) is the inverse of the spectrum of exponentials.
+
+    last: number of the fastest component, cos(pi last (t + 1/2)/n). independent: number of independent samples N; x =
+    pi last/2N, whose square has the mean x^2/3 over all components up to the last.
+    """
+    return 1 + (np.pi * last / (2 * independent)) ** 2 / 3
 
 
 class _Line(NamedTuple):
@@ -133,24 +160,36 @@ class _Line(NamedTuple):
     residual: NDArray[np.float64]
 
 
+def _polynomials(n: int, degree: int) -> NDArray[np.float64]:
+    """Polynomials of the degrees 0 to `degree` on n equidistant points, (degree + 1, n), orthonormal (Gram's).
+
+    By their recurrence, p_k+1 ~ x p_k - (x p_k, p_k-1) p_k-1: a factorisation would start threads, which on a busy
+    machine wait for each other.
+    """
+    x = np.linspace(-1, 1, n)
+    found = [np.full(n, n**-0.5)]
+    for k in range(degree):
+        following = x * found[k]
+        if k > 0:
+            following -= np.sum(following * found[k - 1]) * found[k - 1]
+        found.append(following / np.sum(following**2) ** 0.5)
+    return np.array(found)
+
+
 def _along(x: NDArray[np.float64], degree: int) -> _Line:
     """The straight line in a polynomial of this degree that is fitted to x (n,) by least squares."""
-    polynomials, _ = np.linalg.qr(np.vander(np.linspace(-1, 1, x.size), degree + 1, increasing=True))
+    polynomials = _polynomials(x.size, degree)
     # the mean first: what is large and constant must not cost digits
-    parts = (x - x.mean()) @ polynomials
-    per_unit = float(polynomials[-1, 1] - polynomials[0, 1])
-    return _Line(float(parts[1]) * per_unit, abs(per_unit), x - x.mean() - polynomials @ parts)
+    parts = polynomials @ (x - x.mean())
+    per_unit = float(polynomials[1, -1] - polynomials[1, 0])
+    return _Line(float(parts[1]) * per_unit, abs(per_unit), x - x.mean() - parts @ polynomials)
 
 
 def _trend(x: NDArray[np.float64]) -> Trend | None:
     """The linear trend of a correlated series (n,); None where there are fewer than 8 values, or rounding errors alone.
 
-    A parabola is fitted, so that the bend of a slow decay does not count as noise. The error follows from the
-    autocorrelation time of what it leaves, with N/6 degrees of freedom. A series that is stationary passes the
-    quantile of Student's distribution for 1e-4 with the probability 4e-5 (n = 50), 1.5e-4 (n = 400) if it has 20
-    independent samples, found in 1e5 autoregressive series each. Of shorter ones, whose mean decides nothing either,
-    more look like a drift: 8e-4 (4e-4) at 10 samples, 4e-3 (1e-3) at 5. In 400 samples with tau =
-    2, a fall by three standard deviations of a value is found in 0.99 of all cases, one by 1.0 in 0.08.
+    Its error follows from the parts of the series along the polynomials of the next degrees, which are as slow, as that
+    of the mean does from cosines. The parabola is left out: the bend of a slow decay does not count as noise.
     """
     n = x.size
     if n < _SHORTEST_TREND:
@@ -160,13 +199,13 @@ def _trend(x: NDArray[np.float64]) -> Trend | None:
     if abs(line.change) <= np.finfo(np.float64).eps * n * largest:
         return None
     left = line.residual
-    variance = float(np.sum(left**2)) / (n - 3)
-    if variance <= (np.finfo(np.float64).eps * largest) ** 2:  # nothing but the trend, and rounding
-        return Trend(line.change, float(np.finfo(np.float64).eps * n * largest), n / _SAMPLES_PER_FREEDOM_OF_TREND)
-    tau = _autocorrelation_time(left)
-    independent = n / (2 * tau)
-    error = line.per_unit * np.sqrt(2 * tau * variance * (1 + 3 / independent))
-    return Trend(line.change, float(error), independent / _SAMPLES_PER_FREEDOM_OF_TREND)
+    if float(np.sum(left**2)) / (n - 3) <= (np.finfo(np.float64).eps * largest) ** 2:  # the trend, and rounding
+        return Trend(line.change, float(np.finfo(np.float64).eps * n * largest), n / 6)
+    independent = n / (2 * _autocorrelation_time(left, 3))
+    number = min(_slow_components(independent), n - 4)
+    parts = _polynomials(n, number + 2)[3:] @ left
+    error = line.per_unit * np.sqrt(np.mean(parts**2) * _fall(number + 2, independent))
+    return Trend(line.change, float(error), float(number))
 
 
 def standard_error(values: ArrayLike) -> Any:
@@ -181,6 +220,36 @@ def standard_error(values: ArrayLike) -> Any:
 def independent_mean(values: ArrayLike) -> tuple[float, float]:
     """Mean of independent values (n,), and its standard error."""
     return float(np.asarray(values).mean()), float(standard_error(values))
+
+
+@cache
+def student_quantile(level: float, freedom: float) -> float:
+    """What Student's t exceeds, to either side, with the probability `level`; freedom: degrees of it, 1 at least."""
+    from scipy.stats import t
+
+    return float(t.isf(level / 2, max(freedom, 1.0)))
+
+
+def student_probability(sigmas: float, freedom: float) -> float:
+    """The probability that Student's t is at least `sigmas` to either side; freedom: degrees of it, 1 at least."""
+    from scipy.stats import t
+
+    return float(2 * t.sf(sigmas, max(freedom, 1.0)))
+
+
+@cache
+def seen_beyond(quantile: float, freedom: float, probability: float) -> float:
+    """The true deviation, in standard errors, that Student's t shows beyond a quantile with a probability.
+
+    From the noncentral distribution: the error is itself uncertain, so that this is more than the quantile and the
+    scatter of the mean. quantile: of the measured deviation over its error. freedom: degrees of freedom of that error,
+    1 at least. probability: of going beyond.
+    """
+    from scipy.optimize import brentq
+    from scipy.stats import nct
+
+    freedom = max(freedom, 1.0)
+    return float(brentq(lambda true: nct.sf(quantile, freedom, true) - probability, 0.0, 4 * quantile + 10, xtol=1e-6))
 
 
 class Slope(NamedTuple):

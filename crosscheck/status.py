@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from enum import IntEnum
 
 from crosscheck.record import Line
+from crosscheck.verdict import FALSE_ALARM_OF_A_RUN
 
 
 class Status(IntEnum):
@@ -49,6 +50,23 @@ def unjudged(lines: Sequence[Line], engines: Sequence[str]) -> list[str]:
         if all(line["outcome"] == "skip" for line in own):
             found.append(f"nothing was judged of {engine}: {_why(own)}")
     return found
+
+
+def false_alarms(lines: Sequence[Line]) -> str:
+    """A sentence on how often a run would be red although all codes are right: the sum over statistical judgements.
+
+    lines: of the record, of all cases of the run; "" if none was judged statistically, or an older version did.
+    """
+    rates = [rate for line in lines for one in line["judgements"] if (rate := one.get("false_alarm"))]
+    if not rates:
+        return ""
+    total = sum(rates)
+    each = f"{min(rates):.2g}" if min(rates) == max(rates) else f"{min(rates):.2g} to {max(rates):.2g}"
+    promise = "below the" if total <= FALSE_ALARM_OF_A_RUN else "more than the"
+    return (
+        f"false alarms: {len(rates)} statistical judgements, each red with the probability {each} of a right code: "
+        f"{total:.1g} for the run, {promise} {FALSE_ALARM_OF_A_RUN:g} that are promised"
+    )
 
 
 def _why(skipped: Sequence[Line]) -> str:

@@ -4,8 +4,9 @@ A criterion is one of five kinds:
 
 round_off   |measured - expected| <= tolerance, the tolerance counted in rounding errors;
 order       the same, for the fitted slope of log error against log step;
-statistical |measured - expected| <= t u, with u the standard error of correlated data and t the two-sided quantile of
-            Student's distribution for the false-alarm rate `FALSE_ALARM` of one verdict; a series that drifts is red;
+statistical |measured - expected| <= t u + doubt, with u the standard error of correlated data, t the two-sided quantile
+            of Student's distribution for the rate `SUSPICIOUS`, and a doubt that is not random; a series that drifts is
+            red. What is red so is measured again with other random numbers, and is red if it is so again: see `again`;
 bound       measured <= limit (or >=);
 expected_failure  a deviation that the check must find: measured >= limit.
 """
@@ -18,18 +19,25 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, TypeAlias, cast
 
 from crosscheck.figure import Figure
-from crosscheck.statistics import Mean, Trend
+from crosscheck.statistics import Mean, Trend, seen_beyond, student_probability, student_quantile
 
 Outcome = Literal["pass", "fail", "inconclusive", "skip", "error"]
 Kind = Literal["round_off", "order", "statistical", "bound", "expected_failure"]
 #: On which side of the expected value a measured one may lie.
 Sense = Literal["both", "at_most", "at_least"]
 
-#: Probability that one statistical verdict is red although the code is right (two-sided, Student's t).
-FALSE_ALARM = 1e-4
+#: Probability that one measurement of a right code deviates by more than the tolerance of a statistical judgement
+#: (two-sided, Student's t), and that its series seems to drift.
+SUSPICIOUS, DRIFTING = 1e-3, 2e-4
+#: Probability that a statistical judgement of a right code is red: what is suspicious is measured again.
+FALSE_ALARM = SUSPICIOUS**2
+#: Probability that a run of the suite is red although the code is right: the sum over its statistical judgements.
+FALSE_ALARM_OF_A_RUN = 1e-3
+#: Probability with which a statistical judgement shows a deviation of the size of its sensitivity.
+SEEN = 0.9
 
-#: A standard error of fewer degrees of freedom (quantile 13) decides nothing; and independent samples fewer than these.
-LEAST_FREEDOM, LEAST_SAMPLES = 4.0, 10.0
+#: A standard error of fewer degrees of freedom (quantile 6) decides nothing; and independent samples fewer than these.
+LEAST_FREEDOM, LEAST_SAMPLES = 6.0, 10.0
 #: The largest believable deviation of the mean of a series, in standard deviations of its own values. Series as long as
 #: their correlation time go further from the true mean with the probability 1e-4: found in 1e5 autoregressive ones.
 LARGEST_IN_SPREADS = 12.0
@@ -37,7 +45,8 @@ LARGEST_IN_SPREADS = 12.0
 #: What the sensitivity of a judgement is: in its docstring, in docs/record.md and in the report.
 SENSITIVITY = (
     "the smallest deviation from the expected value that would have been red, as a share of that value (absolute where "
-    "that is zero); of a bound, how far the measured value was from turning red: |limit - measured|/|limit|"
+    "that is zero); of a statistical judgement, in 90 % of all runs; of a bound, how far the measured value was from "
+    "turning red: |limit - measured|/|limit|"
 )
 
 
@@ -62,10 +71,13 @@ class Judgement:
     outcome: "pass" is called green, "fail" red. quantity: name and unit of what was measured. measured, uncertainty: it
     and its standard error. expected, expected_uncertainty: the same of the reference. deviation: as a share of the
     tolerance, whatever the criterion: red above 1. sensitivity: the smallest deviation from the expected value that
-    would have been red, as a share of that value (absolute where that is zero); of a bound, how far the measured value
-    was from turning red: |limit - measured|/|limit|. criterion: how they were compared. sigmas: the deviation in
-    standard errors, of a statistical judgement. control: it checks the set-up of the simulation, and is shown only when
-    it is not green. note: a remark on this number. figures: see `crosscheck.figure`.
+    would have been red, as a share of that value (absolute where that is zero); of a statistical judgement, in 90 % of
+    all runs; of a bound, how far the measured value was from turning red: |limit - measured|/|limit|. criterion: how
+    they were compared. sigmas: the deviation in standard errors, of a statistical judgement. freedom: degrees of
+    freedom of that error. doubt: of the tolerance, what is systematic. p_value: the probability of a deviation as large
+    as this one, beyond the doubt, of a right code. false_alarm: the probability of a red judgement of a right code.
+    control: it checks the set-up of the simulation, and is shown only when it is not green. note: a remark on this
+    number. figures: see `crosscheck.figure`.
     """
 
     outcome: Outcome
@@ -78,6 +90,10 @@ class Judgement:
     sensitivity: float | None
     criterion: Criterion
     sigmas: float | None = None
+    freedom: float | None = None
+    doubt: float | None = None
+    p_value: float | None = None
+    false_alarm: float | None = None
     control: bool = False
     note: str = ""
     figures: tuple[Figure, ...] = ()
@@ -328,16 +344,16 @@ def statistical(
 ) -> Judgement:
     """The judgement |measured - expected| <= t u + doubt, u^2 = uncertainty^2 + expected_uncertainty^2; NaN fails.
 
-    t is the two-sided quantile of Student's distribution for `FALSE_ALARM`, and thereby the largest deviation that is
+    t is the two-sided quantile of Student's distribution for `SUSPICIOUS`, and thereby the largest deviation that is
     believable, however few the samples. quantity: name and unit of what was measured. uncertainty,
     expected_uncertainty: standard errors, in that unit. why: the reason for what is expected. samples: number of
     independent samples of the smaller of the two data sets, t has one degree of freedom less; or the means of the
     correlated series that were measured, which know theirs. doubt: a bound on what is systematically wrong with what is
     expected or measured (a theory of lowest order, a finite grid), in that unit; it is not a standard error, and is
-    added to t u once. A series that drifts is red, whatever its mean. Where the
-    error itself is too uncertain (`LEAST_FREEDOM`, `LEAST_SAMPLES`), "inconclusive" takes the place of "pass". needed:
-    the relative deviation that the check must be able to detect; where it could not, the same. note, figures: see
-    `Judgement`. ValueError for a doubt that is negative or not finite.
+    added to t u once. A series that drifts is red, whatever its mean. Where the error itself is too uncertain
+    (`LEAST_FREEDOM`, `LEAST_SAMPLES`), "inconclusive" takes the place of "pass". needed: the relative deviation that
+    the check must be able to detect; where its sensitivity is less, the same. note, figures: see `Judgement`.
+    ValueError for a doubt that is negative or not finite.
     """
     if not 0 <= doubt < math.inf:
         raise ValueError(f"the doubt of '{quantity}' must be a number that is not negative, got {doubt}")
@@ -351,32 +367,34 @@ def statistical(
     if means:
         number, freedom = min(mean.independent for mean in means), min(mean.freedom for mean in means)
     u = math.hypot(uncertainty, expected_uncertainty)
-    quantile = _quantile(freedom)
+    quantile = student_quantile(SUSPICIOUS, freedom)
     if means:
         quantile = min(quantile, LARGEST_IN_SPREADS * math.sqrt(number))
     tolerance = quantile * u + doubt
-    known = math.isfinite(u) and math.isfinite(measured - expected)
     off = abs(measured - expected)
-    sigmas = math.inf
-    if known and (u > 0 or measured == expected):
-        sigmas = off / u if u > 0 else 0.0
-    sensitivity = _relative(tolerance, expected)
+    known = math.isfinite(u) and math.isfinite(off)
+    sigmas = (off / u if u > 0 else 0.0 if off == 0 else math.inf) if known else math.inf
+    sensitivity = _relative(seen_beyond(quantile, freedom, SEEN**0.5) * u + doubt, expected)
     outcome: Outcome = "pass" if known and off <= tolerance else "fail"
     few = number < LEAST_SAMPLES or freedom < LEAST_FREEDOM
     if outcome == "pass" and (few or (needed is not None and sensitivity > needed)):
         outcome = "inconclusive"
     if known and few and u == 0:  # equal samples, too few to have shown that they scatter
         outcome = "inconclusive"
-    drifts = [(mean.trend.sigmas / _quantile(mean.trend.freedom), mean.trend) for mean in means if mean.trend]
-    share, trend = max(drifts, key=lambda drift: drift[0], default=(0.0, None))
-    deviation = 0.0 if off == 0 else math.inf
-    if known and tolerance > 0:
-        deviation = off / tolerance
-    if trend is not None and share > 1:
-        outcome, deviation = "fail", max(deviation, share)
-        note = "; ".join(filter(None, (_drift(trend), note)))
+    deviation = off / tolerance if known and tolerance > 0 else 0.0 if off == 0 else math.inf
+    p_value = student_probability(max(off - doubt, 0.0) / u, freedom) if known and u > 0 else float(known and off == 0)
+    level, trends = SUSPICIOUS, [mean.trend for mean in means if mean.trend]
+    if trends:
+        level += DRIFTING
+        limits = [student_quantile(DRIFTING / len(trends), trend.freedom) for trend in trends]
+        share, trend, limit = max(
+            (trend.sigmas / limit, trend, limit) for trend, limit in zip(trends, limits, strict=True)
+        )
+        if share > 1:
+            outcome, deviation = "fail", max(deviation, share)
+            note = "; ".join(filter(None, (_drift(trend, limit), note)))
     beyond = f"{quantile:.2f} sigma" + (f" and the doubt {doubt:.3g}" if doubt else "")
-    reason = f"{why}; red beyond {beyond}, false-alarm rate {FALSE_ALARM:g}"
+    reason = f"{why}; red beyond {beyond}, twice: false-alarm rate {level**2:.2g}"
     return Judgement(
         outcome,
         quantity,
@@ -388,21 +406,89 @@ def statistical(
         sensitivity,
         Criterion("statistical", "both", tolerance, reason),
         sigmas=sigmas,
+        freedom=freedom,
+        doubt=doubt,
+        p_value=p_value,
+        false_alarm=level**2,
         note=note,
         figures=figures,
     )
 
 
-def _quantile(freedom: float) -> float:
-    """The two-sided quantile of Student's distribution for `FALSE_ALARM`."""
-    from scipy.stats import t
+def by_chance(
+    quantity: str, statistic: float, law: Any, why: str, *, note: str = "", figures: tuple[Figure, ...] = ()
+) -> Judgement:
+    """The judgement that a test statistic (Kolmogorov-Smirnov, chi^2) is no larger than chance explains; NaN fails.
 
-    return float(t.isf(FALSE_ALARM / 2, max(freedom, 1)))
+    quantity: name of the statistic, and what it compares. statistic: it. law: its distribution if the code is right,
+    with the methods `isf` and `sf` of those of scipy.stats. why: what the distribution follows from. The limit is
+    exceeded with the probability `SUSPICIOUS`; see `again`. note, figures: see `Judgement`.
+    """
+    from scipy.stats import norm
+
+    limit, p_value = float(law.isf(SUSPICIOUS)), float(law.sf(statistic))
+    good = statistic <= limit
+    return Judgement(
+        "pass" if good else "fail",
+        quantity,
+        statistic,
+        None,
+        limit,
+        None,
+        _not_nan(statistic / limit),
+        _relative(abs(limit - statistic), limit),
+        Criterion("statistical", "at_most", limit, f"{why}; red beyond it, twice: false-alarm rate {FALSE_ALARM:.2g}"),
+        sigmas=_not_nan(float(norm.isf(max(p_value, 1e-300) / 2))),
+        p_value=p_value,
+        false_alarm=FALSE_ALARM,
+        note=note,
+        figures=figures,
+    )
 
 
-def _drift(trend: Trend) -> str:
-    """The remark on a series that is not stationary."""
+def again(first: Findings, second: Findings) -> Findings:
+    """The findings of a case in which statistical judgements alone were red, and which was run again.
+
+    A statistical judgement is red if both runs are: of a right code with the square of the probability of one. Where
+    the first was red, the second decides; where it was not, the first stays. The others must hold in both runs.
+    Numbers that come out the same to the last digit were not measured again: beyond the rate `FALSE_ALARM` they are
+    red, else inconclusive. first, second: of the two runs, with other random numbers. ValueError unless they judge the
+    same quantities.
+    """
+    if len(first.judgements) != len(second.judgements):
+        raise ValueError(f"{len(first.judgements)} judgements, and {len(second.judgements)} in the run that repeats it")
+    judged = tuple(_of_two(one, two) for one, two in zip(first.judgements, second.judgements, strict=True))
+    return replace(second, judgements=judged)
+
+
+def suspicious(found: Findings) -> bool:
+    """Whether statistical judgements of finite numbers alone are red, which another run may refute; found: of one."""
+    red = [one for one in found.judgements if one.outcome == "fail"]
+    return bool(red) and all(one.criterion.kind == "statistical" and _is_number(one.sigmas) for one in red)
+
+
+def _is_number(value: float | None) -> bool:
+    return value is not None and math.isfinite(value)
+
+
+def _of_two(first: Judgement, second: Judgement) -> Judgement:
+    """The judgement of two runs: see `again`."""
+    if first.criterion.kind != "statistical":
+        return max(first, second, key=_rank)
+    if first.outcome != "fail":
+        return first
+    before = f"run again: at first {first.measured:.6g}, {first.sigmas:.3g} sigma"
+    outcome = second.outcome
+    if first.measured == second.measured:
+        before = "run again, to the same number: not random"
+        certain = first.p_value is not None and first.p_value <= FALSE_ALARM
+        outcome = "fail" if certain else "inconclusive"
+    return replace(second, outcome=outcome, note="; ".join(filter(None, (second.note, before))))
+
+
+def _drift(trend: Trend, limit: float) -> str:
+    """The remark on a series that is not stationary; limit: of the trend, in standard errors."""
     return (
         f"drifts: by {trend.change:.4g} from the first to the last value of the series, {trend.sigmas:.3g} standard "
-        f"errors, red beyond {_quantile(trend.freedom):.3g}; a mean of it has no meaning"
+        f"errors, red beyond {limit:.3g}; a mean of it has no meaning"
     )

@@ -30,7 +30,7 @@ FLOORS = (
     ("crosscheck.references",),
     ("crosscheck.engines",),
     ("crosscheck.checks",),
-    ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner", "crosscheck.status"),
+    ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner", "crosscheck.status", "crosscheck.calibration"),
     ("crosscheck.painter", "crosscheck.report"),
     ("crosscheck.simulate", "crosscheck.documents"),
     ("crosscheck.commands",),

@@ -219,6 +219,9 @@ class _Telling:
         counts = Counter(line["outcome"] for line in lines)
         summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in COLOURS if counts[outcome])
         console.print(f"{summary} in {seconds:.0f} s; report: {report_path}", highlight=False, soft_wrap=True)
+        alarms = status.false_alarms(lines)
+        if alarms:
+            print(alarms)
         reasons = status.unjudged(lines, expected)
         result = status.of(lines, reasons, self._allow_inconclusive)
         if reasons:

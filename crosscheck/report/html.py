@@ -23,6 +23,7 @@ from crosscheck.files import naming
 from crosscheck.record import Line, case_name, deciding, read, shown
 from crosscheck.report import figures, numbers, pictures
 from crosscheck.runner import select
+from crosscheck.status import false_alarms
 from crosscheck.text import printable
 from crosscheck.verdict import SENSITIVITY
 
@@ -197,6 +198,7 @@ def render(lines: list[Line], title: str) -> str:
         absent=_absent(lines),
         unknown=sum(len(section.lines) for section in sections if section.check is None),
         meaning_of_sensitivity=SENSITIVITY,
+        false_alarms=false_alarms(lines),
         dates=sorted(line["time"] for line in lines)[:: max(1, len(lines) - 1)],
         cost=sum(line["cost"].get("seconds") or 0.0 for line in lines),
     )

@@ -10,6 +10,7 @@ from typing import Any
 from crosscheck.files import naming
 from crosscheck.record import Line, deciding
 from crosscheck.report.numbers import deviation, expected, measured
+from crosscheck.status import false_alarms
 from crosscheck.text import printable
 
 
@@ -22,7 +23,8 @@ def write_junit(
     path: the file to write. unjudged: sentences on what was not judged, each an error of the suite. allow_inconclusive:
     inconclusive verdicts are skipped test cases, with their reason.
     """
-    cases = [_case(line, allow_inconclusive) for line in lines] + [_problem(reason) for reason in unjudged]
+    judged = list(lines)
+    cases = [_case(line, allow_inconclusive) for line in judged] + [_problem(reason) for reason in unjudged]
     found = [child.tag for case in cases for child in case]
     totals: dict[str, str] = {
         "name": "particle-crosscheck",
@@ -33,7 +35,11 @@ def write_junit(
         "time": f"{sum(float(case.attrib['time']) for case in cases):.3f}",
     }
     root = ET.Element("testsuites", totals)
-    ET.SubElement(root, "testsuite", totals).extend(cases)
+    suite = ET.SubElement(root, "testsuite", totals)
+    if alarms := false_alarms(judged):
+        properties = ET.SubElement(suite, "properties")
+        ET.SubElement(properties, "property", name="false alarms", value=_clean(alarms.removeprefix("false alarms: ")))
+    suite.extend(cases)
     ET.indent(root)
     path.parent.mkdir(parents=True, exist_ok=True)
     with naming(path):

@@ -19,7 +19,7 @@ from crosscheck.engines.registry import engine_class
 from crosscheck.errors import EndedEarly, EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.runner import Case, _CasesOfThreads, close_pools, find, judge, run, select, unmatched
 from crosscheck.scene import Explicit, Method, Scene, Spring
-from crosscheck.verdict import Judgement, Verdict, round_off
+from crosscheck.verdict import Judgement, Verdict, round_off, statistical
 
 SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), initial=Explicit(positions=((1.0,),)))
 
@@ -254,6 +254,27 @@ def test_costs_of_all_runs_add_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
 
 
 # -- many cases --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "outcome", "runs"), [((1.0,), "pass", 1), ((5.0, 1.0), "pass", 2), ((5.0, -4.0), "fail", 2)]
+)
+def test_what_is_suspicious_runs_again_with_other_seeds(
+    monkeypatch: pytest.MonkeyPatch, sigmas: tuple[float, ...], outcome: str, runs: int
+) -> None:
+    """Its costs add up."""
+    seeds = []
+
+    def judge_one(laboratory: Laboratory, variant: str) -> Judgement:
+        laboratory.cost.steps += 7
+        seeds.append(laboratory.seed())
+        return statistical("x", sigmas[len(seeds) - 1], 1.0, 0.0, 0.0, "why", samples=1e6)
+
+    offer(monkeypatch, check("a/b", judge_one))
+    verdict = judge(Case("a/b", "one", "refimpl", False), 0)
+    assert verdict.outcome == outcome
+    assert len(set(seeds)) == len(seeds) == runs
+    assert verdict.cost["steps"] == 7 * runs
 
 
 def test_every_case_gets_one_verdict(monkeypatch: pytest.MonkeyPatch) -> None:

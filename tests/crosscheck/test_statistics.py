@@ -48,7 +48,9 @@ def test_white_noise_has_the_textbook_error() -> None:
     x = np.random.default_rng(2).normal(3.0, 2.0, 100_000)
     mean = correlated_mean(x)
     assert mean.value == x.mean()
-    assert mean.error == pytest.approx(2 / 100_000**0.5, rel=0.05)
+    errors = [correlated_mean(x[i : i + 500]).error for i in range(0, 100_000, 500)]
+    # each of 12 degrees of freedom
+    assert np.mean(np.square(errors)) == pytest.approx(4 / 500, rel=4 * (2 / 12 / 200) ** 0.5)
     assert mean.independent == pytest.approx(100_000, rel=0.05)
 
 

@@ -51,3 +51,15 @@ def test_each_named_engine_is_judged() -> None:
         "nothing was judged of lammps: 1 skipped (lammps: ImportError: absent)",
         "nothing was judged of ase: no check that was asked for matches what it declares (docs/engines.md)",
     ]
+
+
+def test_false_alarms_of_a_run_add_up() -> None:
+    def judged(*rates: float | None) -> dict[str, Any]:
+        return {"judgements": [{"false_alarm": rate} for rate in rates]}
+
+    assert status.false_alarms([judged(None), judged()]) == ""
+    assert status.false_alarms([judged(None, 1e-6), judged(1e-6), judged(1.44e-6)]) == (
+        "false alarms: 3 statistical judgements, each red with the probability 1e-06 to 1.4e-06 of a right code: 3e-06 "
+        "for the run, below the 0.001 that are promised"
+    )
+    assert "0.002 for the run, more than the 0.001" in status.false_alarms([judged(*[1e-6] * 2000)])

@@ -13,20 +13,25 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
-from scipy.stats import binom
+from scipy.stats import binom, chi2, kstest, nct
+from scipy.stats import t as student
 
 from crosscheck.figure import Figure, Series
 from crosscheck.statistics import Mean, Trend, correlated_mean
 from crosscheck.verdict import (
-    FALSE_ALARM,
+    SEEN,
+    SUSPICIOUS,
     Judgement,
     Verdict,
+    again,
     bounded,
+    by_chance,
     controls,
     findings,
     order,
     round_off,
     statistical,
+    suspicious,
     within,
     worst,
 )
@@ -122,8 +127,8 @@ def test_red_bounds_deviate_by_more_than_one(measured: float, limit: float, at_l
 
 
 def test_statistical_at_the_quantile() -> None:
-    # two-sided quantile of the normal distribution for 1e-4
-    quantile = 3.890592
+    # two-sided quantile of the normal distribution for 1e-3
+    quantile = 3.290527
     assert judged(quantile - 1e-3).outcome == "pass"
     assert judged(-quantile - 1e-3).outcome == "fail"
     assert judged(quantile + 1e-3).sigmas == pytest.approx(quantile + 1e-3)
@@ -134,13 +139,22 @@ def test_both_error_bars_count() -> None:
     judgement = statistical("x", 10.0, 3.0, 5.0, 4.0, "why", samples=100)
     assert judgement.sigmas == 1
     assert judgement.deviation == pytest.approx(5 / judgement.criterion.tolerance)
-    assert judgement.sensitivity == pytest.approx(judgement.criterion.tolerance / 5)
+    t = student(99)
+    assert judgement.criterion.tolerance == pytest.approx(5 * t.isf(5e-4))
+    # of a normal deviate with an error of 99 degrees of freedom, beyond it twice in 90 % of all cases
+    seen = nct(99, judgement.sensitivity).sf(t.isf(5e-4))
+    assert seen**2 == pytest.approx(0.9, abs=1e-4)
+    assert judgement.p_value == pytest.approx(2 * t.sf(1))
+    assert (judgement.freedom, judgement.doubt) == (99, 0)
 
 
 def test_a_doubt_is_added_once() -> None:
     """A systematic bound is no standard error: no quantile multiplies it."""
     plain, doubtful = judged(0.0), judged(0.0, doubt=7.0)
     assert doubtful.criterion.tolerance == plain.criterion.tolerance + 7.0
+    assert doubtful.sensitivity == plain.sensitivity + 7.0
+    assert judged(8.5, doubt=7.0).p_value == judged(1.5).p_value
+    assert judged(6.5, doubt=7.0).p_value == 1
     edge = doubtful.criterion.tolerance
     assert judged(edge - 1e-9, doubt=7.0).outcome == "pass"
     assert judged(edge + 1e-9, doubt=7.0).outcome == "fail"
@@ -159,17 +173,17 @@ def test_a_doubt_is_a_bound(doubt: float) -> None:
         judged(0.0, doubt=doubt)
 
 
-def test_false_alarms_are_as_rare_as_stated() -> None:
+def test_suspicions_are_as_rare_as_stated() -> None:
     """1e5 right codes: the number of red ones within the central 99.99 % of the binomial distribution."""
     draws = np.random.default_rng(5).normal(size=100_000)
     # the outcome is that of |z|: only the tail has to be asked
     red = sum(judged(float(z)).outcome == "fail" for z in draws[abs(draws) > 3])
     assert all(judged(z).outcome == "pass" for z in (-3.0, 0.0, 3.0))
-    low, high = binom.interval(0.9999, draws.size, FALSE_ALARM)
+    low, high = binom.interval(0.9999, draws.size, SUSPICIOUS)
     assert low <= red <= high
 
 
-def test_false_alarms_with_few_samples() -> None:
+def test_suspicions_with_few_samples() -> None:
     """Means of 12 normal numbers with their own error bars: Student's t, not the normal distribution."""
     draws = np.random.default_rng(6).normal(size=(100_000, 12))
     means, errors = draws.mean(axis=1), draws.std(axis=1, ddof=1) / 12**0.5
@@ -178,22 +192,109 @@ def test_false_alarms_with_few_samples() -> None:
         statistical("x", float(means[i]), float(errors[i]), 0.0, 0.0, "why", samples=12).outcome == "fail"
         for i in suspicious
     )
-    low, high = binom.interval(0.9999, len(draws), FALSE_ALARM)
+    low, high = binom.interval(0.9999, len(draws), SUSPICIOUS)
     assert low <= red <= high
+
+
+@pytest.mark.parametrize("samples", [10, 13, 41])
+def test_a_deviation_of_the_sensitivity_is_seen_in_nine_of_ten_cases(samples: int) -> None:
+    """2000 wrong codes, each measured twice; the true error is 1, that of a verdict is estimated from the samples."""
+    off = statistical("x", 0.0, 1.0, 0.0, 0.0, "why", samples=samples).sensitivity
+    assert off is not None
+    draws = np.random.default_rng(7).normal(off, samples**0.5, size=(2000, 2, samples))
+    means, errors = draws.mean(axis=2), draws.std(axis=2, ddof=1) / samples**0.5
+    limit = judged(0.0, samples=samples).criterion.tolerance
+    seen = (abs(means) > limit * errors).all(axis=1).mean()
+    assert seen == pytest.approx(SEEN, abs=4 * (0.9 * 0.1 / 2000) ** 0.5)
+
+
+@pytest.mark.parametrize("samples", [10, 100])
+def test_p_values_are_uniform(samples: int) -> None:
+    draws = np.random.default_rng(8).normal(size=(2000, samples))
+    means, errors = draws.mean(axis=1), draws.std(axis=1, ddof=1) / samples**0.5
+    found = [
+        statistical("x", float(m), float(u), 0.0, 0.0, "why", samples=samples).p_value
+        for m, u in zip(means, errors, strict=True)
+    ]
+    assert kstest(found, "uniform").pvalue > 1e-3
+
+
+def test_a_test_statistic_is_judged_by_its_distribution() -> None:
+    law = chi2(7)
+    for p_value, outcome in ((0.5, "pass"), (1.01e-3, "pass"), (0.99e-3, "fail"), (0.0, "fail")):
+        judgement = by_chance("chi^2 of counts", float(law.isf(p_value)), law, "7 free counts")
+        assert judgement.outcome == outcome
+        assert judgement.p_value == pytest.approx(p_value)
+        assert (judgement.criterion.kind, judgement.criterion.sense) == ("statistical", "at_most")
+    assert by_chance("chi^2", float(law.isf(1e-3)), law, "why").sigmas == pytest.approx(3.290527)
+    assert by_chance("chi^2", math.nan, law, "why").outcome == "fail"
+
+
+# -- again ---------------------------------------------------------------------------------------------
+
+
+def test_what_is_suspicious_twice_is_red() -> None:
+    far, near = findings(judged(3.5)), findings(judged(0.5))
+    assert suspicious(far)
+    assert not suspicious(near)
+    assert again(far, findings(judged(-3.6))).outcome == "fail"
+    refuted = again(far, near)
+    assert refuted.outcome == "pass"
+    assert refuted.shown.measured == 0.5
+    assert refuted.shown.note == "run again: at first 3.5, 3.5 sigma"
+
+
+def test_each_judgement_is_red_only_if_both_runs_are() -> None:
+    """Of two judgements each of which is red in one of the runs, none is."""
+    first, second = worst([judged(3.5), judged(1.0)]), worst([judged(1.5), judged(3.5)])
+    found = again(first, second)
+    assert [one.measured for one in found.judgements] == [1.5, 1.0]
+    assert found.outcome == "pass"
+    undecided = worst([judged(0.0, samples=5), judged(0.0)])
+    assert again(first, undecided).outcome == "inconclusive"
+
+
+def test_what_is_not_statistical_must_hold_in_both_runs() -> None:
+    good, bad = bounded("b", 1.0, 2.0, "why"), bounded("b", 3.0, 2.0, "why")
+    assert not suspicious(worst([judged(3.5), bad]))
+    assert suspicious(worst([judged(3.5), good]))
+    for pair in ((good, bad), (bad, good)):
+        one, two = (worst([judged(value), other]) for value, other in zip((3.5, 0.0), pair, strict=True))
+        assert again(one, two).outcome == "fail"
+
+
+def test_broken_numbers_are_not_measured_again() -> None:
+    assert not suspicious(findings(judged(math.nan)))
+    assert not suspicious(findings(judged(math.inf)))
+
+
+@pytest.mark.parametrize(("measured", "outcome"), [(3.5, "inconclusive"), (5.5, "fail")])
+def test_the_same_number_twice_is_no_second_measurement(measured: float, outcome: str) -> None:
+    """An engine without random numbers: the rate of both runs must be that of the one, 1e-6, at 4.89 sigma."""
+    found = again(findings(judged(measured)), findings(judged(measured)))
+    assert found.outcome == outcome
+    assert "not random" in found.shown.note
+
+
+def test_two_runs_judge_the_same_quantities() -> None:
+    with pytest.raises(ValueError, match="2 judgements, and 1 in the run that repeats it"):
+        again(worst([judged(1.0), judged(2.0)]), findings(judged(1.0)))
 
 
 @pytest.mark.parametrize("measured", [0.0, 1e9])
 def test_few_samples_are_no_pass(measured: float) -> None:
-    """However few, a deviation beyond the quantile for as many is not believable: 6366 for two samples."""
+    """However few, a deviation beyond the quantile for as many is not believable: 637 for two samples."""
     assert judged(measured, samples=9.9).outcome == ("fail" if measured else "inconclusive")
     assert judged(measured, samples=10).outcome == ("fail" if measured else "pass")
-    assert judged(6366.0, samples=2).outcome == "inconclusive"
-    assert judged(6367.0, samples=2).outcome == "fail"
+    assert judged(636.0, samples=2).outcome == "inconclusive"
+    assert judged(637.0, samples=2).outcome == "fail"
 
 
 def test_what_could_not_have_been_seen_is_no_pass() -> None:
     assert judged(100.0, 100.0, needed=0.05).outcome == "pass"
-    assert judged(100.0, 100.0, needed=0.03).outcome == "inconclusive"
+    # the tolerance is 3.3, but 4.92 is what is seen
+    assert judged(100.0, 100.0, needed=0.0493).outcome == "pass"
+    assert judged(100.0, 100.0, needed=0.0492).outcome == "inconclusive"
     assert judged(200.0, 100.0, needed=0.03).outcome == "fail"
 
 
@@ -231,10 +332,10 @@ def judged_series(series: np.ndarray, expected: float = 0.0) -> Judgement:
 
 @pytest.mark.parametrize(("length", "tau"), [(50, 0.5), (50, 1.2), (400, 0.5), (400, 4.0), (400, 10.0)])
 def test_false_alarms_of_correlated_series(length: int, tau: float) -> None:
-    """Of means and drifts, at most 2e-4 each (benchmarks/false_alarms.py): more than two of 2000 once in a hundred."""
+    """Of means and drifts, 1.2e-3 as stated, 1.9e-3 at most (benchmarks/false_alarms.py): 9 of 2000 once in 5000."""
     outcomes = Counter(judged_series(x).outcome for x in autoregressive(tau, 2000, length, seed=11))
-    assert outcomes["fail"] <= 2
-    assert outcomes["pass"] + outcomes["inconclusive"] >= 1998
+    assert outcomes["fail"] <= 9
+    assert outcomes["pass"] + outcomes["inconclusive"] >= 1991
 
 
 SHAPES = {
@@ -275,7 +376,7 @@ def test_a_jump_is_never_green() -> None:
 
 
 def test_the_least_certain_of_several_series_counts() -> None:
-    sure, unsure = Mean(1.0, 0.1, 1000.0, 200.0), Mean(1.0, 0.1, 15.0, 3.0)
+    sure, unsure = Mean(1.0, 0.1, 1000.0, 200.0), Mean(1.0, 0.1, 15.0, 4.0)
     options = {"why": "why", "expected_uncertainty": 0.1}
     for means, outcome in (((sure,), "pass"), ((sure, unsure), "inconclusive"), ((unsure, sure), "inconclusive")):
         assert statistical("x", 1.0, 0.1, 1.0, samples=means, **options).outcome == outcome
@@ -283,7 +384,7 @@ def test_the_least_certain_of_several_series_counts() -> None:
     judgement = statistical("x", 1.0, 0.1, 1.0, samples=(sure, drifting), **options)
     assert judgement.outcome == "fail"
     assert judgement.note == (
-        "drifts: by 5 from the first to the last value of the series, 50 standard errors, red beyond 4.48; "
+        "drifts: by 5 from the first to the last value of the series, 50 standard errors, red beyond 4.23; "
         "a mean of it has no meaning"
     )
 
@@ -300,7 +401,7 @@ def test_a_broken_number_is_the_worst() -> None:
 def test_all_judgements_are_kept_in_their_order_and_the_worst_is_shown() -> None:
     parts = [
         round_off("a", 0.5, 1.0, "why"),
-        judged(3.0),  # 0.77 of its tolerance
+        judged(2.5),  # 0.76 of its tolerance
         bounded("c", 0.9, 1.0, "why"),
         order("d", 2.0, 2.0, 0.25, "why"),
     ]

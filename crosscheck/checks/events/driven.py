@@ -13,7 +13,7 @@ from crosscheck.references import EPSILON
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, explicit
 from crosscheck.scene.overlaps import wrapped
 from crosscheck.statistics import Mean, mean_of_stretches, standard_error
-from crosscheck.verdict import FALSE_ALARM, Judgement, bounded, round_off, statistical
+from crosscheck.verdict import Judgement, bounded, round_off, statistical
 
 #: Asked for by all driven scenes, so that they share their kernels.
 OBSERVABLES: tuple[Observable, ...] = (
@@ -129,6 +129,10 @@ def energy_budget(runs: list[Run]) -> Judgement:
     )
 
 
+#: Probability that a control takes chance for a difference.
+_BY_CHANCE = 1e-4
+
+
 def steady_mean(values: Floats | Mean, quantity: str, expected: float, needed: float, why: str = STEADY) -> Judgement:
     """The mean of one value a stretch, or of a correlated series, against a number.
 
@@ -150,8 +154,8 @@ def significant(values: Floats, quantity: str) -> Judgement:
     return bounded(
         f"{quantity}, in standard errors",
         mean.value / mean.error,
-        float(t.isf(FALSE_ALARM, len(values) - 1)),
-        f"Student's t of {len(values)} stretches, false-alarm rate {FALSE_ALARM:g}",
+        float(t.isf(_BY_CHANCE, len(values) - 1)),
+        f"Student's t of {len(values)} stretches, exceeded without a difference with the probability {_BY_CHANCE:g}",
         at_least=True,
         control=True,
         note=f"the difference is {mean.value:.4g}",

@@ -14,7 +14,7 @@ from crosscheck.references import EPSILON
 from crosscheck.references import speeds as reference
 from crosscheck.scene import Floats, Output
 from crosscheck.statistics import standard_error
-from crosscheck.verdict import FALSE_ALARM, Judged, bounded, round_off, statistical, worst
+from crosscheck.verdict import FALSE_ALARM, Judged, bounded, by_chance, round_off, statistical, worst
 
 
 class _Speeds(NamedTuple):
@@ -34,6 +34,8 @@ DILUTE = 0.01
 
 def _judge(laboratory: Laboratory, gases: _Speeds) -> Judged:
     """Moments of the speeds after so many collisions, and the distance from Maxwell's distribution."""
+    from scipy.stats import kstwo
+
     d, number, runs, needed = gases
     output = Output(collisions=tuple(round(c * number) for c in COUNTS), observables=TALLIES, trajectory=True)
     speeds = np.empty((runs, len(COUNTS), number))
@@ -71,9 +73,11 @@ def _judge(laboratory: Laboratory, gases: _Speeds) -> Judged:
         )
     temperature = reference.mono_speed_temperature(1.0, d)
     distances = [_distance(speeds[:, index].ravel(), d, temperature) for index in range(len(COUNTS))]
-    noise = _largest_distance(runs * number)
-    why = f"quantile of Kolmogorov's distribution for {runs * number} speeds, false-alarm rate {FALSE_ALARM:g}"
-    judgements.append(bounded("distance from Maxwell (Kolmogorov-Smirnov) after 10 N", distances[-1], noise, why))
+    why = f"Kolmogorov's distribution for {runs * number} speeds"
+    law = kstwo(runs * number)
+    judgements.append(by_chance("distance from Maxwell (Kolmogorov-Smirnov) after 10 N", distances[-1], law, why))
+    noise = float(law.isf(FALSE_ALARM))
+    why = f"{why}, exceeded with the probability {FALSE_ALARM:g}"
     figures = _figures(gases, speeds, means, errors)
     rise = float(np.diff(distances).max())
     judgements.append(bounded("largest rise of that distance", rise, noise, why, figures=figures))
@@ -87,13 +91,6 @@ def _distance(speeds: Floats, dimension: int, temperature: float) -> float:
     expected = reference.maxwell_cumulative(np.sort(speeds), dimension, temperature)
     found = np.arange(speeds.size + 1) / speeds.size
     return float(max((found[1:] - expected).max(), (expected - found[:-1]).max()))
-
-
-def _largest_distance(samples: int) -> float:
-    """Exceeded by samples of the distribution itself with probability `FALSE_ALARM`."""
-    from scipy.stats import kstwo
-
-    return float(kstwo(samples).isf(FALSE_ALARM))
 
 
 def _figures(gases: _Speeds, speeds: Floats, means: Floats, errors: Floats) -> tuple[Figure, ...]:
