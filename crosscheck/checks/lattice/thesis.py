@@ -413,7 +413,7 @@ def _against_layers(layers: _Layers, length: float, right: Floats) -> list[Judge
             why,
             samples=MANY,
             doubt=damping_off,
-            needed=0.35,
+            needed=0.4,
         ),
         statistical(
             "c = omega/k of the first cosine",
