@@ -301,12 +301,12 @@ class _Layers(NamedTuple):
 
     @property
     def doubtful(self) -> float:
-        """Slip that is in doubt, links: two mean free paths, 2 nu each at speed 1.
+        """Slip that is in doubt, links: one and a half mean free paths, 2 nu each at speed 1.
 
         Particles that a wall sends back the way they came meet those again that they have met: Boltzmann's equation
         leaves that out.
         """
-        return 4 * self.viscosity
+        return 3 * self.viscosity
 
     def off(self) -> tuple[float, float]:
         """By how much damping and frequency may be off: half of the tail, and the slip either way."""
@@ -397,10 +397,9 @@ def _against_layers(layers: _Layers, length: float, right: Floats) -> list[Judge
     alpha, u_alpha = independent_mean(right[:, 0])
     speed, u_speed = independent_mean(right[:, 1] / k)
     damping_off, frequency_off = layers.off()
-    free = known.SOUND_SPEED[FHP]
     why = (
         f"standard errors of {MANY} runs at each of two amplitudes, and of nu; boundary layers on both side walls, off "
-        "by half of the long-time tail, which walls cut off, and by two mean free paths of slip, "
+        "by half of the long-time tail, which walls cut off, and by 1.5 mean free paths of slip, "
         f"{layers.doubtful:.2g} links"
     )
     return [
@@ -421,10 +420,10 @@ def _against_layers(layers: _Layers, length: float, right: Floats) -> list[Judge
             u_speed,
             channel.imag / k,
             abs(noise.imag) / k,
-            f"{why}, and half a site in the length; to be told from free sound",
+            f"{why}, and half a site in the length; the thesis's own must be seen to be wrong",
             samples=MANY,
             doubt=frequency_off / k + channel.imag / k * 0.5 / length,
-            needed=free * k / channel.imag - 1,
+            needed=reported.FHP[1] * k / channel.imag - 1,
         ),
     ]
 
