@@ -69,7 +69,10 @@ def _measured_drum(run: Run) -> _Heap:
 
 
 def between(one: Mean, other: Mean) -> tuple[Mean, float]:
-    """The middle of two means, with the error of the one that is less certain, and half of their difference."""
+    """The middle of two means, with the error of the one that is less certain, and half of their difference.
+
+    one, other: the means, in one unit.
+    """
     worse = max(one, other, key=lambda mean: mean.error)
     return worse._replace(value=0.5 * (one.value + other.value)), 0.5 * abs(one.value - other.value)
 
