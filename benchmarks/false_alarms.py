@@ -161,10 +161,7 @@ def main() -> None:
     print("|---|---|---|---|---|---|---|---|---|")
     for kind in KINDS:
         for name, estimate in estimates.items():
-            if name:
-                label = f"the same, {name} | | "
-            else:
-                label = f"{kind.name} | {kind.length} | {kind.independent:.0f}"
+            label = f"the same, {name} | | " if name else f"{kind.name} | {kind.length} | {kind.independent:.0f}"
             print(f"| {label} | {measure(kind, estimate, count)} |", flush=True)
 
 

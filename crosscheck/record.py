@@ -131,7 +131,7 @@ def _content(path: Path, file: Path) -> bytes:
 
 
 #: Of a judgement, which older lines of schema 2 lack.
-_NEWER_FIELDS = ("freedom", "doubt", "p_value", "false_alarm")
+NEWER_FIELDS = ("freedom", "doubt", "p_value", "false_alarm")
 
 
 class _OtherSchemaError(ValueError):
@@ -154,7 +154,7 @@ def _verdict(data: bytes) -> Line:
         line = _from_schema_1(line)
     check_form(line, SCHEMA)
     for judgement in line["judgements"]:
-        for name in _NEWER_FIELDS:
+        for name in NEWER_FIELDS:
             judgement.setdefault(name, None)
     return line
 

@@ -38,6 +38,8 @@ SEEN = 0.9
 
 #: A standard error of fewer degrees of freedom (quantile 6) decides nothing; and independent samples fewer than these.
 LEAST_FREEDOM, LEAST_SAMPLES = 6.0, 10.0
+#: More degrees of freedom make no difference.
+_MOST_FREEDOM = 1e6
 #: The largest believable deviation of the mean of a series, in standard deviations of its own values. Series as long as
 #: their correlation time go further from the true mean with the probability 1e-4: found in 1e5 autoregressive ones.
 LARGEST_IN_SPREADS = 12.0
@@ -348,12 +350,13 @@ def statistical(
     believable, however few the samples. quantity: name and unit of what was measured. uncertainty,
     expected_uncertainty: standard errors, in that unit. why: the reason for what is expected. samples: number of
     independent samples of the smaller of the two data sets, t has one degree of freedom less; or the means of the
-    correlated series that were measured, which know theirs. doubt: a bound on what is systematically wrong with what is
-    expected or measured (a theory of lowest order, a finite grid), in that unit; it is not a standard error, and is
-    added to t u once. A series that drifts is red, whatever its mean. Where the error itself is too uncertain
-    (`LEAST_FREEDOM`, `LEAST_SAMPLES`), "inconclusive" takes the place of "pass". needed: the relative deviation that
-    the check must be able to detect; where its sensitivity is less, the same. note, figures: see `Judgement`.
-    ValueError for a doubt that is negative or not finite.
+    correlated series that were measured, which know theirs: of one with an error of what is expected beside it, or of
+    two that are compared, the sum has the degrees of freedom of B. L. Welch, Biometrika 34, 28 (1947). doubt: a bound
+    on what is systematically wrong with what is expected or measured (a theory of lowest order, a finite grid), in that
+    unit; it is not a standard error, and is added to t u once. A series that drifts is red, whatever its mean. Where
+    the error itself is too uncertain (`LEAST_FREEDOM`, `LEAST_SAMPLES`), "inconclusive" takes the place of "pass".
+    needed: the relative deviation that the check must be able to detect; where its sensitivity is less, the same. note,
+    figures: see `Judgement`. ValueError for a doubt that is negative or not finite.
     """
     if not 0 <= doubt < math.inf:
         raise ValueError(f"the doubt of '{quantity}' must be a number that is not negative, got {doubt}")
@@ -366,7 +369,10 @@ def statistical(
         number, freedom = float(samples), float(samples) - 1
     if means:
         number, freedom = min(mean.independent for mean in means), min(mean.freedom for mean in means)
+    few = number < LEAST_SAMPLES or freedom < LEAST_FREEDOM
     u = math.hypot(uncertainty, expected_uncertainty)
+    if means:
+        freedom = max(freedom, _freedom((uncertainty, expected_uncertainty), means))
     quantile = student_quantile(SUSPICIOUS, freedom)
     if means:
         quantile = min(quantile, LARGEST_IN_SPREADS * math.sqrt(number))
@@ -376,7 +382,6 @@ def statistical(
     sigmas = (off / u if u > 0 else 0.0 if off == 0 else math.inf) if known else math.inf
     sensitivity = _relative(seen_beyond(quantile, freedom, SEEN**0.5) * u + doubt, expected)
     outcome: Outcome = "pass" if known and off <= tolerance else "fail"
-    few = number < LEAST_SAMPLES or freedom < LEAST_FREEDOM
     if outcome == "pass" and (few or (needed is not None and sensitivity > needed)):
         outcome = "inconclusive"
     if known and few and u == 0:  # equal samples, too few to have shown that they scatter
@@ -413,6 +418,18 @@ def statistical(
         note=note,
         figures=figures,
     )
+
+
+def _freedom(errors: tuple[float, float], means: Sequence[Mean]) -> float:
+    """Degrees of freedom of the sum of the squares of two errors, of which those of `means` are the first.
+
+    An error without a mean is known. 0 where the errors are not those of the means, but derived from them.
+    """
+    total = math.hypot(*errors)
+    if len(means) > 2 or not 0 < total < math.inf or any(m.error != e for m, e in zip(means, errors, strict=False)):
+        return 0.0
+    parts = sum((mean.error / total) ** 4 / mean.freedom for mean in means)
+    return min(1 / parts, _MOST_FREEDOM) if parts > 0 else 0.0
 
 
 def by_chance(

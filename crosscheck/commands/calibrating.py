@@ -40,7 +40,8 @@ def calibrate(
     patterns: shell patterns of names of checks or cases; none: all. tier: "quick" or "full". engine_list: names, or
     path.py:Class; none: all installed. seeds: how many, 5 at least. jobs: runs at a time; None: one per core. out: file
     for the table, in Markdown. time_limit: seconds that one call of an engine may take. The status is 1 if p-values of
-    a quantity are not uniform (of right codes once in 1000 calls), or a case had no verdict, else 0. Cases of which the
+    a quantity are too small to be uniform (of right codes once in 1000 calls), or a case had no verdict, else 0: too
+    large ones cost sensitivity, but raise no false alarm. Cases of which the
     first seed judges nothing statistically are left out. UsageError for an unknown tier, fewer than 5 seeds, or if no
     case matches, and nothing is judged statistically.
     """
@@ -116,14 +117,16 @@ def _summary(found: list[Calibration], troubles: list[str]) -> tuple[str, bool]:
     """What the table says, in words, and whether the judgements are calibrated."""
     runs = sum(one.seeds for one in found)
     limit = _FALSE_ALARM / max(len(found), 1)
-    bad = [one for one in found if one.uniform < limit and not one.discrete]
+    uneven = [one for one in found if one.uniform < limit and not one.discrete]
+    bad, careful = [one for one in uneven if one.mean < 0.5], [one for one in uneven if one.mean >= 0.5]
     seen = [one.seen for one in found if one.seen is not None]
     lines = [
         f"{len(found)} quantities, {runs} judgements: {sum(one.suspicious for one in found)} suspicious, "
-        f"{sum(one.inconclusive for one in found)} inconclusive; p-values of {len(bad)} not uniform "
-        f"(KS below {limit:.1g})"
+        f"{sum(one.inconclusive for one in found)} inconclusive; p-values of {len(bad)} too small, of "
+        f"{len(careful)} too large to be uniform (KS below {limit:.1g})"
         + (f"; a deviation of the sensitivity is seen in {100 * sum(seen) / len(seen):.0f} %" if seen else ""),
-        *(f"not uniform: {one.quantity}" for one in bad),
+        *(f"p-values too small: {one.quantity}" for one in bad),
+        *(f"p-values too large: {one.quantity}" for one in careful),
         *dict.fromkeys(troubles),
     ]
     return "\n".join(lines), not bad and not troubles

@@ -11,7 +11,7 @@ from pydantic import Field, TypeAdapter
 from crosscheck.checks.base import Tier
 from crosscheck.documents.markdown import NOTICE
 from crosscheck.figure import Figure
-from crosscheck.record import SCHEMA
+from crosscheck.record import NEWER_FIELDS, SCHEMA
 from crosscheck.verdict import Judgement, Outcome
 
 
@@ -41,7 +41,7 @@ def record_schema() -> str:
     definitions = schema["$defs"]
     del definitions["Judgement"]["properties"]["figures"]  # those of all judgements are the verdict's
     for name in ("Judgement", "Criterion"):
-        definitions[name]["required"] = list(definitions[name]["properties"])
+        definitions[name]["required"] = [one for one in definitions[name]["properties"] if one not in NEWER_FIELDS]
     schema["properties"]["schema"]["const"] = SCHEMA
     head = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

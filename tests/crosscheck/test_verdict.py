@@ -389,6 +389,32 @@ def test_the_least_certain_of_several_series_counts() -> None:
     )
 
 
+def test_errors_of_two_series_have_the_freedom_of_both() -> None:
+    one, other = Mean(1.0, 0.3, 100.0, 10.0), Mean(1.2, 0.4, 100.0, 12.0)
+
+    def freedom(measured: float, expected: float, *means: Mean) -> float | None:
+        return statistical("x", 1.0, measured, 1.2, expected, "why", samples=means).freedom
+
+    assert freedom(0.3, 0.4, one, other) == pytest.approx(0.25**2 / (0.3**4 / 10 + 0.4**4 / 12))  # Welch
+    assert freedom(0.3, 0.4, one) == pytest.approx(0.25**2 / (0.3**4 / 10))  # that of what is expected is known
+    assert freedom(0.3, 0.0, one) == pytest.approx(10)
+    assert freedom(0.2, 0.4, one) == 10  # derived from the mean, not its own
+    assert freedom(0.3, 0.4, one, other, one) == 10
+    few = Mean(1.0, 0.01, 15.0, 4.0)
+    assert statistical("x", 1.0, 0.01, 1.2, 0.4, "why", samples=few).outcome == "inconclusive"
+
+
+def test_suspicions_of_two_series_are_as_rare_as_stated() -> None:
+    """Errors of 6 and 12 degrees of freedom, unlike: the rate within a third."""
+    rng = np.random.default_rng(12)
+    off = rng.normal(size=200_000) * 0.5
+    errors = [scale * (rng.chisquare(nu, 200_000) / nu) ** 0.5 for scale, nu in ((0.3, 6), (0.4, 12))]
+    u = np.hypot(*errors)
+    freedom = u**4 / (errors[0] ** 4 / 6 + errors[1] ** 4 / 12)
+    rate = np.mean(abs(off) > student.isf(SUSPICIOUS / 2, freedom) * u)
+    assert rate == pytest.approx(SUSPICIOUS, rel=1 / 3)
+
+
 # -- several ------------------------------------------------------------------------------------------
 
 

@@ -33,6 +33,14 @@ def test_counts(lines, suite):
     assert float(suite.get("time")) == pytest.approx(sum(line["cost"]["seconds"] for line in lines), abs=0.05)
 
 
+def test_false_alarms_of_the_run_are_a_property(lines, suite):
+    one = suite.find("properties/property[@name='false alarms']")
+    number = sum(judged["criterion"]["kind"] == "statistical" for line in lines for judged in line["judgements"])
+    assert one.get("value").startswith(
+        f"{number} statistical judgements, each red with the probability 1e-06 of a right"
+    )
+
+
 def test_names(suite):
     cases = {(case.get("classname"), case.get("name")) for case in suite}
     assert len(cases) == len(suite)
@@ -57,7 +65,7 @@ def test_a_failure_lists_every_red_judgement_with_its_reason_and_no_other(suite)
     assert failure.get("type") == "statistical"
     assert failure.get("message") == "pressure: measured 1.500(10), expected 1, off by 50 σ"
     assert failure.text.splitlines() == [
-        "blocking; red beyond 3.93 sigma, false-alarm rate 0.0001",
+        "blocking; red beyond 3.32 sigma, twice: false-alarm rate 1e-06",
         "of 64 disks",
         "share of fast particles: measured 0.02, expected ≥ 0.04, off by 2 tol.",
         "made up: the start",

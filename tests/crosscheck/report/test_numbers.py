@@ -72,7 +72,7 @@ def as_recorded(judgement):
         (bounded("b", 0.0, 4.0, "w"), "≤ 4", "0 tol.", "1"),
         (bounded("b", 1e9, 4.0, "w", expected_failure=True), "≥ 4", "4e-9 tol.", "2.5e8"),
         (bounded("b", 0.5, 0.0, "w"), "≤ 0", "∞", "0.5 abs."),
-        (statistical("s", 1.1, 0.1, 1.0, 0.02, "w", samples=1e6), "1.000(20)", "0.981 σ", "0.4"),
+        (statistical("s", 1.1, 0.1, 1.0, 0.02, "w", samples=1e6), "1.000(20)", "0.981 σ", "0.5"),
         (round_off("e", math.nan, 1e-12, "w"), "0", "∞", "1e-12 abs."),
     ],
 )
