@@ -61,7 +61,7 @@ def forced_channel(model: str, density: float, rows: int, rule: Rule) -> NDArray
     return np.asarray(steady.reshape(rows, -1) @ c[:, 0])
 
 
-def slip_length(model: str, density: float, rule: Rule, rows: int = 64) -> float:
+def slip_length(model: str, density: float, rule: Rule, rows: int = 48) -> float:
     """b, where the gas slips at wall sites by b times its gradient there, links; negative: it rests beside them.
 
     From the parabola in the middle half of `forced_channel`, extended to the wall. model, density, rule, rows: as

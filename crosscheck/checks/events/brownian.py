@@ -135,7 +135,7 @@ def _judge(laboratory: Laboratory, bath: Bath) -> Judged:
             f"{why}; off by g at contact, and particles that come back",
             samples=RUNS,
             doubt=(known.doubt + back) * known.gamma * MASS,
-            needed=0.15,
+            needed=0.2,
             figures=(_decay_figure(bath.dimension, decay, known),),
         )
     ]
@@ -162,7 +162,7 @@ def _decay_in_space(decay: _Decay, known: Tracers, bath: Bath, why: str) -> Judg
         f"{why}; between Enskog's friction and that in series with slip",
         samples=RUNS,
         doubt=abs(ends[0] - ends[1]) / 2,
-        needed=0.25,
+        needed=0.3,
         note=f"t = {decay.time[place]:g}",
     )
 

@@ -195,7 +195,7 @@ def _diffusion(dimension: int, x: float, diffusion: float, error: float) -> Judg
         known.uncertainty,
         f"standard error over {ARRANGEMENTS} arrangements, and of the reference",
         samples=ARRANGEMENTS,
-        needed=0.06,
+        needed=0.07,
         figures=(_diffusion_figure(dimension, x, ratio, ratio_error),),
     )
 

@@ -53,7 +53,7 @@ def _judge_random(laboratory: Laboratory, draw: _Draw) -> Judged:
         f"standard error over {GRAINS} independent grains" + (f"; quadrature, to {error:g}" if error else ""),
         samples=GRAINS,
         doubt=error,
-        needed=0.1,
+        needed=0.15,
         figures=figures,
     )
     given = float(run["wall_energy"][-1, FLOOR])

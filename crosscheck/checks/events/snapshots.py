@@ -72,7 +72,7 @@ def _judge_modes(positions: Floats, length: float) -> Judged:
         f"correlated series of {len(positions)} snapshots; theory off by 1/N: fixed number",
         samples=mean,
         doubt=float(theory.mean()) / _NUMBER,
-        needed=0.05,
+        needed=0.06,
         note="1 for an ideal gas",
         figures=(figure,),
     )
@@ -113,7 +113,7 @@ def _judge_clusters(positions: Floats, length: float) -> Judged:
         f"correlated series of {len(positions)} snapshots; third order in the density, about 1 %, left out",
         samples=mean,
         doubt=0.01 * expected,
-        needed=0.05,
+        needed=0.06,
         note=f"largest cluster {largest}",
         figures=(figure,),
     )

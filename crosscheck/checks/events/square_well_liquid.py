@@ -107,7 +107,7 @@ def _judge(laboratory: Laboratory, liquid: _Liquid) -> Judged:
             "standard error of correlated data; 1 % of g at contact and at the edge behind the reference",
             samples=z,
             doubt=point.compressibility.doubt,
-            needed=0.1,
+            needed=0.12,
         ),
     ]
     found = "; ".join(f"T = {one[0]:.4f}, u = {one[1]:.4f}, Z = {one[2]:.4f}" for one in means)

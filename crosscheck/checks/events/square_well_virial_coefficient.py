@@ -72,7 +72,7 @@ def _judge(laboratory: Laboratory, gas: _Gas) -> Judged:
         "standard error of correlated data; off by the term B_4 n^3, and 1/N of the well's part",
         samples=measured,
         doubt=higher / core + abs(expected) / number,
-        needed=0.1,
+        needed=0.12,
         note=f"T = {temperature:.4f}: B_2 = {b2:.4f} (exact {shown:.4f}), statistical error "
         f"{measured.error / density:.4f}; B_3 n = {b3 * density:.4f} taken off, B_4 n^2 at most {higher:.4f}",
         figures=(

@@ -165,7 +165,7 @@ def _judge_limit(laboratory: Laboratory, quantity: _Quantity) -> Judged:
     note = ", ".join(f"t_c {a:g}: {b:.4f}({c:.4f})" for a, b, c in measured)
     if quantity.theory is not None:
         note += f"; theory of an infinite system {quantity.theory(_PACKING, 2).value:.5g}"
-    judgements = [_against_hard(quantity.name, limit, 0.02, (figure,)), _against_hard("temperature", thermal, 0.02)]
+    judgements = [_against_hard(quantity.name, limit, 0.03, (figure,)), _against_hard("temperature", thermal, 0.02)]
     return worst(judgements, note)
 
 

@@ -118,7 +118,7 @@ def _judge_bed(laboratory: Laboratory, _: str) -> Judged:
     ]
     heights, energies = [run.height for run in runs], [run.energy for run in runs]
     judgements = [
-        against("height of the centre of mass", hard_limit(_DURATIONS, heights), hard.height, 0.03),
+        against("height of the centre of mass", hard_limit(_DURATIONS, heights), hard.height, 0.04),
         against("kinetic energy of a grain", hard_limit(_DURATIONS, energies), hard.energy, 0.08),
     ]
     hot, reference = _temperatures(runs), _temperatures([hard])[0]

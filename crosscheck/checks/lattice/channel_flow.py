@@ -85,7 +85,7 @@ def _judge(laboratory: Laboratory, channel: _Channel) -> Judged:
                 "steady: the walls take it all, but for its fluctuations and exp(-7) of the decay before",
                 control=True),
         statistical("nu", nu, nu_error, *wave, f"{why}; the decay of a shear wave in the same gas",
-                    samples=min(STRETCHES, MEMBERS), needed=0.06),
+                    samples=min(STRETCHES, MEMBERS), needed=0.08),
         statistical("momentum that the force gives, over 2 p f_-x (1 - f_+x)",
                     *independent_mean(given.sum(axis=1) / _asked_for(velocities, occupations[first + 1 :])), 1.0, 0.0,
                     f"{why}; p is what the scene asks for, f the mean occupations of the rows",
@@ -96,7 +96,7 @@ def _judge(laboratory: Laboratory, channel: _Channel) -> Judged:
                     length_error, 0.0, 0.0,
                     f"{why}; off by half a mean free path, nu: particles that a wall sends back meet those again "
                     "that they have met; a wall half a link away must be seen",
-                    samples=STRETCHES, doubt=wave[0], needed=0.4),
+                    samples=STRETCHES, doubt=wave[0], needed=0.45),
     ]  # fmt: skip
     variant = _name(channel)
     figure = Figure(

@@ -31,7 +31,7 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     """Populations of a gas that starts away from equilibrium, against Fermi-Dirac at the same mass and momentum."""
     name, density = state
     velocities = VELOCITIES[name]
-    size, stretches = 128, 64
+    size, stretches = 128, 192
     # the same mass and momentum, but another distribution: halfway to that with the fewest channels filled
     asked = away(name, equilibrium_start(name, density, (0.2, 0.1)))
     start = filled_channels(asked, laboratory.seed())

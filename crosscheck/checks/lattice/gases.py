@@ -138,7 +138,7 @@ def started(found: ArrayLike, asked: ArrayLike, model: str, sites: int) -> Findi
                     f"{label} a site at the start",
                     float(counts @ w),
                     float((w**2 @ (f * (1 - f)) / sites) ** 0.5),
-                    float(f @ w),
+                    float(np.round(f @ w, 12)),  # a sum that cancels is 0
                     0.0,
                     "standard error of independent channels",
                     samples=sites,

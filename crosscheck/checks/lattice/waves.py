@@ -171,7 +171,10 @@ def shear_waves(laboratory: Laboratory, name: str, density: float, rows: int) ->
 
 
 def viscosities(signals: Signals, name: str, density: float, rows: int) -> list[float]:
-    """nu (links^2 per step) of each gas from the decay of `shear_waves`; arguments: those of them."""
+    """nu (links^2 per step) of each gas from the decay of its shear wave.
+
+    signals: of `shear_waves` of this gas. name: of the model. density: d. rows: one wavelength.
+    """
     k = wavenumber(name, rows)
     rate = first_guess(name, density, (0.0, k)).shear_decay
     return [decay_rate(signals.times, s, rate) / k**2 for s in signals.values]

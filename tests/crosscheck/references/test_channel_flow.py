@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.linalg import solve_banded
+from scipy.special import sici
 
 from crosscheck.references import channel_flow as known
 from crosscheck.references.lattice_gas import shear_viscosity
@@ -88,3 +90,35 @@ def test_channel_sound_in_the_box_of_the_thesis(density: float, period: int, dam
     s = known.channel_sound(C, nu, math.pi / 294, 85.7)
     assert round(2 * math.pi / s.imag) == period
     assert round(-s.real * 1e4, 1) == damping
+
+
+@given(nu=st.floats(0.01, 1.0), k=st.floats(1e-3, 1e-2), slip=st.floats(-0.5, 2.0))
+def test_channel_sound_with_slip_is_that_of_layers_solved_over_the_height(nu: float, k: float, slip: float) -> None:
+    """s u = -i k c^2 rho + nu u'' with u = b du/dn at both walls, by finite differences, at the s that is found."""
+    height = 40 * math.sqrt(2 * nu / (C * k))
+    s = known.channel_sound(C, nu, k, height, slip)
+    n = 4000
+    h = height / n
+    # cells' middles; beyond a wall the line through u there, whose gradient into the fluid is u over the slip
+    inside = (2 * slip - h) / (2 * slip + h)
+    diagonal = np.full(n, s / nu + 2 / h**2)
+    diagonal[[0, -1]] -= inside / h**2
+    flow = solve_banded((1, 1), np.array([np.full(n, -1 / h**2), diagonal, np.full(n, -1 / h**2)]), np.ones(n))
+    # averaged: u' of the wall over the height is what the layers take
+    layers = s / nu * flow.mean()
+    rate = s**2 / layers + nu * k**2 * s + C**2 * k**2
+    assert abs(rate) < 2e-4 * C**2 * k**2
+
+
+def test_a_lagging_viscosity_is_the_transform_of_its_tail() -> None:
+    """nu(omega) = nu_0 + int A exp(-i omega t)/t from a short time on, at two frequencies a factor of four apart."""
+    tail, start = 0.03, 1.0
+
+    def transformed(omega: float) -> complex:
+        cosine, sine = sici(omega * start)[1], sici(omega * start)[0]
+        return tail * complex(-cosine, -(math.pi / 2 - sine))
+
+    fast, slow = transformed(4e-4), transformed(1e-4)
+    lagging = known.lagging_viscosity(0.1 + fast.real, 0.1 + slow.real)
+    assert lagging.real == pytest.approx(0.1 + fast.real)
+    assert lagging.imag == pytest.approx(fast.imag, rel=1e-3)

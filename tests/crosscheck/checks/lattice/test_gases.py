@@ -17,6 +17,7 @@ from crosscheck.checks.lattice.gases import (
     equilibrium_start,
     gas_scene,
     methods_for,
+    started,
 )
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import Unsupported
@@ -91,3 +92,13 @@ def test_the_scheme_that_moves_mean_occupations() -> None:
     assert boltzmann_method(laboratory("refimpl")) == Method(scheme="lattice_boltzmann")
     with pytest.raises(Unsupported, match="ase: no lattice scheme with h_function"):
         boltzmann_method(laboratory("ase"))
+
+
+def test_what_a_gas_starts_with_is_seen_to_be_wrong() -> None:
+    """Independent channels of the occupations asked for pass; a momentum that is too large does not."""
+    sites, f = 128**2, fermi_dirac("fhp2", 0.3, (0.2, 0.1))
+    drawn = (np.random.default_rng(3).random((sites, f.size)) < f).mean(axis=0)
+    right = started(drawn, f, "fhp2", sites)
+    assert [one.outcome for one in right.judgements] == ["pass"] * 3
+    wrong = started(drawn, fermi_dirac("fhp2", 0.3, (0.17, 0.1)), "fhp2", sites)
+    assert [one.outcome for one in wrong.judgements] == ["pass", "fail", "pass"]

@@ -9,7 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.checks.lattice.waves import decay_rate, first_guess, standing_wave, wavenumber
+from crosscheck.checks.lattice.waves import (
+    Signals,
+    amplitude_at_start,
+    decay_rate,
+    first_guess,
+    standing_wave,
+    wavenumber,
+)
 from crosscheck.references.lattice_models import MODELS, VELOCITIES, modes
 
 #: Runs of noise, whose mean is compared with its standard error; 5.5 of them by chance once in 3e7.
@@ -86,3 +93,9 @@ def test_the_guess_of_a_wave_is_what_it_is_judged_by(name: str) -> None:
 def test_wavenumber_of_rows(name: str) -> None:
     k = wavenumber(name, 4000)
     assert 4000 * VELOCITIES[name].row_height * k == pytest.approx(2 * math.pi, rel=1e-15)
+
+
+def test_the_amplitude_at_the_start_is_judged() -> None:
+    values = np.random.default_rng(4).normal(0.3, 0.003, (16, 3)) + 1j
+    right, wrong = (amplitude_at_start(Signals(np.arange(3.0), values), asked, "wave") for asked in (0.3, 0.29))
+    assert (right.outcome, wrong.outcome) == ("pass", "fail")
