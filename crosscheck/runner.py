@@ -130,14 +130,19 @@ _pools: list[Pool] = []
 
 def _pool(overlay: Path | None, time_limit: float) -> Pool:
     """This thread's (or process's) pool of workers."""
-    key = (overlay, time_limit)
-    if getattr(_local, "key", None) != key:
+    if not hasattr(_local, "pool") or _local.overlay != overlay:
         if hasattr(_local, "pool"):
             _local.pool.close()
-        _local.pool, _local.key = Pool(overlay, time_limit), key
+        _local.pool, _local.overlay = Pool(overlay, time_limit), overlay
         _pools.append(_local.pool)
     pool: Pool = _local.pool
+    pool.time_limit = time_limit
     return pool
+
+
+def lines_of_workers() -> dict[str, list[int]]:
+    """The lines that this thread's workers executed since the last call, by file, see `workers.recording`."""
+    return _local.pool.lines() if hasattr(_local, "pool") else {}
 
 
 def close_pools() -> None:
@@ -148,21 +153,15 @@ def close_pools() -> None:
 
 
 def judge(case: Case, seed: int, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> Verdict:
-    """The verdict of one case, with this thread's workers.
-
-    case, seed: as in `judge_with`. overlay: a directory with a copy of `refimpl` with a planted fault; None: the
-    installed one. time_limit: seconds that one run of an engine may take.
-    """
-    return judge_with(_pool(overlay, time_limit), case, seed)
-
-
-def judge_with(pool: Pool, case: Case, seed: int) -> Verdict:
     """The verdict of one case.
 
     Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, "fail" if it ended a run early
-    that the check needs whole, else "error". pool: the workers. case: what to run. seed: the suite's seed.
+    that the check needs whole, else "error". case: what to run. seed: the suite's seed. overlay: a directory with a
+    copy of `refimpl` with a planted fault; None: the installed one. time_limit: seconds that one run of an engine may
+    take.
     """
     check = find(case.check)
+    pool = _pool(overlay, time_limit)
     schemes = engine_class(case.engine).schemes
     laboratory = Laboratory(case.engine, schemes, pool, case.name, seed, interpreted=check.interpreted)
     started = time.perf_counter()

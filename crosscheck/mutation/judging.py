@@ -12,7 +12,6 @@ import sys
 
 from crosscheck import runner
 from crosscheck.engines.workers import recording
-from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EngineError
 
 
@@ -20,11 +19,11 @@ def main() -> None:
     """Answers requests until stdin is closed."""
     with os.fdopen(os.dup(1), "w") as answers:
         os.dup2(2, 1)  # what is printed is no answer
-        pool, recorder = Pool(), recording.recorder()
+        recorder = recording.recorder()
         for line in sys.stdin:
             request = json.loads(line)
-            pool.time_limit = request["limit"]
-            verdict = runner.judge_with(pool, runner.Case(**request["case"]), request["seed"])
+            case = runner.Case(**request["case"])
+            verdict = runner.judge(case, request["seed"], time_limit=request["limit"])
             red = (
                 []
                 if verdict.findings is None
@@ -33,17 +32,17 @@ def main() -> None:
             message = verdict.message.partition("\n")[0] or (red[0].quantity if red else "")
             answer = {"outcome": verdict.outcome, "message": message, "seconds": verdict.cost["seconds"]}
             if recorder is not None:
-                answer["lines"] = _all_lines(pool, recorder)
+                answer["lines"] = _all_lines(recorder)
             answers.write(json.dumps(answer) + "\n")
             answers.flush()
-        pool.close()
+        runner.close_pools()
 
 
-def _all_lines(pool: Pool, recorder: recording.Recorder) -> dict[str, list[int]]:
+def _all_lines(recorder: recording.Recorder) -> dict[str, list[int]]:
     """The lines that the workers and this process executed since the last call."""
     found = {file: set(lines) for file, lines in recorder.take().items()}
     try:
-        of_workers = pool.lines()
+        of_workers = runner.lines_of_workers()
     except EngineError:
         of_workers = {}
     for file, lines in of_workers.items():
