@@ -19,6 +19,7 @@ from crosscheck.engines.protocol import Engine
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Pool
+from crosscheck.engines.workers.recording import Executed
 from crosscheck.errors import EndedEarly, EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.verdict import Verdict, bounded, findings
 
@@ -140,8 +141,8 @@ def _pool(overlay: Path | None, time_limit: float) -> Pool:
     return pool
 
 
-def lines_of_workers() -> dict[str, list[int]]:
-    """The lines that this thread's workers executed since the last call, by file, see `workers.recording`."""
+def lines_of_workers() -> Executed:
+    """The lines that this thread's workers executed since the last call, see `workers.recording`."""
     return _local.pool.lines() if hasattr(_local, "pool") else {}
 
 

@@ -80,7 +80,9 @@ def _executed(site: Site) -> tuple[int, int]:
     """First and last line of the statement, without those that it contains; of a default value, of its function."""
     statement = _statement(site)
     inner = getattr(statement, "body", None)
-    if not inner or isinstance(statement, ast.FunctionDef):
+    if isinstance(statement, ast.FunctionDef):
+        return statement.body[0].lineno, statement.end_lineno or statement.lineno
+    if not inner:
         return statement.lineno, statement.end_lineno or statement.lineno
     return statement.lineno, max(statement.lineno, inner[0].lineno - 1)
 
