@@ -118,12 +118,13 @@ def _read(path: Path) -> dict[tuple[Case, int], Executed]:
         except ValueError:
             continue
         case = Case(**line.pop("case"))
-        sets = {
-            name: {file: frozenset(numbers) for file, numbers in line.pop(name, {}).items()}
-            for name in ("lines", "imported")
-        }
-        found[case, line["seed"]] = Executed(case=case, **sets, **line)
+        lines, imported = (_sets(line.pop(name, {})) for name in ("lines", "imported"))
+        found[case, line["seed"]] = Executed(case=case, lines=lines, imported=imported, **line)
     return found
+
+
+def _sets(lines: dict[str, list[int]]) -> dict[str, frozenset[int]]:
+    return {file: frozenset(numbers) for file, numbers in lines.items()}
 
 
 def _is_current(one: Executed | None) -> bool:
