@@ -19,6 +19,7 @@ from crosscheck.engines.protocol import Engine
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Pool
+from crosscheck.engines.workers.recording import Executed
 from crosscheck.errors import EndedEarly, EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.verdict import Verdict, again, bounded, findings, suspicious
 
@@ -130,14 +131,19 @@ _pools: list[Pool] = []
 
 def _pool(overlay: Path | None, time_limit: float) -> Pool:
     """This thread's (or process's) pool of workers."""
-    key = (overlay, time_limit)
-    if getattr(_local, "key", None) != key:
+    if not hasattr(_local, "pool") or _local.overlay != overlay:
         if hasattr(_local, "pool"):
             _local.pool.close()
-        _local.pool, _local.key = Pool(overlay, time_limit), key
+        _local.pool, _local.overlay = Pool(overlay, time_limit), overlay
         _pools.append(_local.pool)
     pool: Pool = _local.pool
+    pool.time_limit = time_limit
     return pool
+
+
+def lines_of_workers() -> Executed:
+    """The lines that this thread's workers executed since the last call, see `workers.recording`."""
+    return _local.pool.lines() if hasattr(_local, "pool") else {}
 
 
 def close_pools() -> None:
@@ -150,23 +156,16 @@ def close_pools() -> None:
 def judge(
     case: Case, seed: int, overlay: Path | None = None, time_limit: float = TIME_LIMIT, repeat: bool = True
 ) -> Verdict:
-    """The verdict of one case, with this thread's workers.
-
-    case, seed, repeat: as in `judge_with`. overlay: a directory with a copy of `refimpl` with a planted fault; None:
-    the installed one. time_limit: seconds that one run of an engine may take.
-    """
-    return judge_with(_pool(overlay, time_limit), case, seed, repeat)
-
-
-def judge_with(pool: Pool, case: Case, seed: int, repeat: bool = True) -> Verdict:
     """The verdict of one case.
 
     A case in which statistical judgements alone are red runs again with other random numbers: see `verdict.again`.
     Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, "fail" if it ended a run early
-    that the check needs whole, else "error". pool: the workers. case: what to run. seed: the suite's seed. repeat:
-    what is suspicious runs again; else it is red.
+    that the check needs whole, else "error". case: what to run. seed: the suite's seed. overlay: a directory with a
+    copy of `refimpl` with a planted fault; None: the installed one. time_limit: seconds that one run of an engine may
+    take. repeat: what is suspicious runs again; else it is red.
     """
     check = find(case.check)
+    pool = _pool(overlay, time_limit)
     schemes = engine_class(case.engine).schemes
     laboratory = Laboratory(case.engine, schemes, pool, case.name, seed, interpreted=check.interpreted)
     repeated = replace(laboratory, case=f"{case.name}/again")  # the same sum of costs

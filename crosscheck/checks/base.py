@@ -122,14 +122,15 @@ def _of_kind(engine: str, scene: Scene, kind: Kind) -> Method:
 class Check:
     """One phenomenon: scene, observable, reference and criterion.
 
+    features: those of which it judges all pairs; None: none.
+
     name: `group/phenomenon`; a variant (a scheme, an eccentricity ...) is appended to it. title: the phenomenon in one
     line. equation: what is compared, as a formula in plain text. criterion: what passes, in words. citation: the
     literature. judge: measures one variant, given a laboratory and the variant's value. variants: see `Variants`.
     needs: what an engine must declare to be judged, own or foreign; several: all of them. faults: (variant, planted bug
     of `refimpl` that must turn it red). reference: engines, one or several, that this check compares with, and
     therefore does not judge. timing: run alone, nothing else beside it. interpreted: its scenes are so small that
-    compiling would take longer than running: an engine that promises `interpretable` runs as plain Python. features:
-    those of which it judges all pairs; None: none.
+    compiling would take longer than running: an engine that promises `interpretable` runs as plain Python.
     """
 
     name: str

@@ -61,7 +61,7 @@ def mutate(sample: Sample, jobs: int | None, out: Path, resume: Path | None) -> 
     directory = resume or out
     refuse_no_directory(directory, "the mutants")
     trial.remove_leftovers()
-    entries = equivalents()
+    entries, cases = equivalents(), _cases(sample)
     mutants = draw(among, sample.number, sample.seed)
     header = sample._asdict() | {
         "checks": list(sample.checks),
@@ -75,7 +75,7 @@ def mutate(sample: Sample, jobs: int | None, out: Path, resume: Path | None) -> 
         interruption: Interrupted | None = None
         try:
             jobs = that_pay(jobs, len(mutants))
-            executed = _green(executed_lines(_cases(sample), _SUITE_SEED, jobs, _say))
+            executed = _green(executed_lines(cases, _SUITE_SEED, jobs, _say))
             for number, outcome in _tried(mutants, executed, outcomes, jobs):
                 outcomes[number] = outcome
                 _append(directory / MUTANTS, number, mutants[number], outcome)
@@ -147,10 +147,10 @@ def _sources(among: Population) -> str:
 
 
 def _begin(path: Path, header: dict[str, Any], before: dict[int, Outcome]) -> None:
-    """Starts the file of mutants, unless it goes on."""
-    if not before:
-        with naming(path):
-            path.write_text(json.dumps(header) + "\n", encoding="utf-8")
+    """Starts the file of mutants, or takes away a last line that is torn."""
+    with naming(path):
+        text = path.read_text(encoding="utf-8") if before else json.dumps(header) + "\n"
+        path.write_text(text[: text.rindex("\n") + 1], encoding="utf-8")
 
 
 def _append(path: Path, number: int, mutant: Mutant, outcome: Outcome) -> None:

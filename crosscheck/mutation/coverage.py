@@ -31,8 +31,8 @@ class Executed:
     """What one case executes of the unchanged sources.
 
     case: which. seed: of the suite. sources: a hash of the sources of its check and of the engines. outcome, seconds:
-    of its verdict. interpreted: whether its kernels run as plain Python. lines: by path from the directory that holds
-    the packages, as "refimpl/events/rules.py".
+    of its verdict. interpreted: whether its kernels run as plain Python. lines: that run, by path from the directory
+    that holds the packages, as "refimpl/events/rules.py". imported: lines executed by imports, by path.
     """
 
     case: Case
@@ -42,10 +42,15 @@ class Executed:
     seconds: float
     interpreted: bool
     lines: dict[str, frozenset[int]]
+    imported: dict[str, frozenset[int]]
 
     def executes(self, file: str, first: int, last: int) -> bool:
-        """Whether it executes one of the lines from `first` to `last` of a file (path as in `lines`)."""
-        return any(first <= line <= last for line in self.lines.get(file, ()))
+        """Whether it executes one of the lines from `first` to `last` of a file, also by an import.
+
+        file: path as in `lines`.
+        """
+        both = (self.lines, self.imported)
+        return any(first <= line <= last for lines in both for line in lines.get(file, ()))
 
 
 def executed_lines(
@@ -81,22 +86,27 @@ def _record(cases: Iterable[Case], seed: int) -> list[Executed]:
             if ending():
                 break
             check = find(case.check)
-            lines = {_relative(Path(file)): frozenset(numbers) for file, numbers in answer.lines.items()}
-            found.append(
-                Executed(case, seed, sources_of(case.check), answer.outcome, answer.seconds, check.interpreted, lines)
-            )
+            verdict = (answer.outcome, answer.seconds, check.interpreted)
+            lines = (_relative(answer.lines.get(kind, {})) for kind in ("run", "import"))
+            found.append(Executed(case, seed, sources_of(case.check), *verdict, *lines))
     return found
 
 
-def _relative(file: Path) -> str:
+def _relative(lines: dict[str, list[int]]) -> dict[str, frozenset[int]]:
+    """The lines by path from the directory that holds the packages; lines: by absolute path."""
     of_refimpl, of_engines = recorded_roots()
-    top = of_refimpl.parent if file.is_relative_to(of_refimpl) else of_engines.parent.parent
-    return file.relative_to(top).as_posix()
+    found = {}
+    for name, numbers in lines.items():
+        file = Path(name)
+        top = of_refimpl.parent if file.is_relative_to(of_refimpl) else of_engines.parent.parent
+        found[file.relative_to(top).as_posix()] = frozenset(numbers)
+    return found
 
 
 def _written(one: Executed) -> str:
-    line = asdict(one) | {"lines": {file: sorted(numbers) for file, numbers in one.lines.items()}}
-    return json.dumps(line) + "\n"
+    kinds = {"lines": one.lines, "imported": one.imported}
+    sets = {name: {file: sorted(numbers) for file, numbers in lines.items()} for name, lines in kinds.items()}
+    return json.dumps(asdict(one) | sets) + "\n"
 
 
 def _read(path: Path) -> dict[tuple[Case, int], Executed]:
@@ -108,9 +118,13 @@ def _read(path: Path) -> dict[tuple[Case, int], Executed]:
         except ValueError:
             continue
         case = Case(**line.pop("case"))
-        lines = {file: frozenset(numbers) for file, numbers in line.pop("lines").items()}
-        found[case, line["seed"]] = Executed(case=case, lines=lines, **line)
+        lines, imported = (_sets(line.pop(name, {})) for name in ("lines", "imported"))
+        found[case, line["seed"]] = Executed(case=case, lines=lines, imported=imported, **line)
     return found
+
+
+def _sets(lines: dict[str, list[int]]) -> dict[str, frozenset[int]]:
+    return {file: frozenset(numbers) for file, numbers in lines.items()}
 
 
 def _is_current(one: Executed | None) -> bool:

@@ -29,13 +29,13 @@ class Answer:
     """What became of a case.
 
     outcome: of its verdict; "error" too if the judge's process ended or gave no answer. message: why, in a line.
-    seconds: that it took. lines: executed lines by file, if they are recorded.
+    seconds: that it took. lines: that were executed, if they are recorded, see `recording.Executed`.
     """
 
     outcome: str
     message: str
     seconds: float
-    lines: dict[str, list[int]] = field(default_factory=dict)
+    lines: recording.Executed = field(default_factory=dict)
 
     @property
     def red(self) -> bool:

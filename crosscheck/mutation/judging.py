@@ -9,10 +9,11 @@ from __future__ import annotations
 import json
 import os
 import sys
+from typing import Any
 
 from crosscheck import runner
+from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers import recording
-from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EngineError
 
 
@@ -20,11 +21,17 @@ def main() -> None:
     """Answers requests until stdin is closed."""
     with os.fdopen(os.dup(1), "w") as answers:
         os.dup2(2, 1)  # what is printed is no answer
-        pool, recorder = Pool(), recording.recorder()
+        recorder = recording.recorder()
         for line in sys.stdin:
             request = json.loads(line)
-            pool.time_limit = request["limit"]
-            verdict = runner.judge_with(pool, runner.Case(**request["case"]), request["seed"])
+            case = runner.Case(**request["case"])
+            if not _is_offered(case):
+                answers.write(
+                    json.dumps({"outcome": "skip", "message": "there is no such case", "seconds": 0.0}) + "\n"
+                )
+                answers.flush()
+                continue
+            verdict = runner.judge(case, request["seed"], time_limit=request["limit"])
             red = (
                 []
                 if verdict.findings is None
@@ -33,22 +40,34 @@ def main() -> None:
             message = verdict.message.partition("\n")[0] or (red[0].quantity if red else "")
             answer = {"outcome": verdict.outcome, "message": message, "seconds": verdict.cost["seconds"]}
             if recorder is not None:
-                answer["lines"] = _all_lines(pool, recorder)
+                answer["lines"] = _all_lines(recorder)
             answers.write(json.dumps(answer) + "\n")
             answers.flush()
-        pool.close()
+        runner.close_pools()
 
 
-def _all_lines(pool: Pool, recorder: recording.Recorder) -> dict[str, list[int]]:
+def _answer(case: runner.Case, seed: int, limit: float) -> dict[str, Any]:
+    if not _is_offered(case):
+        return {"outcome": "skip", "message": "the mutated sources do not offer this case", "seconds": 0.0}
+    verdict = runner.judge(case, seed, time_limit=limit)
+    red = [] if verdict.findings is None else [one for one in verdict.findings.judgements if one.outcome == "fail"]
+    message = verdict.message.partition("\n")[0] or (red[0].quantity if red else "")
+    return {"outcome": verdict.outcome, "message": message, "seconds": verdict.cost["seconds"]}
+
+
+def _is_offered(case: runner.Case) -> bool:
+    """Whether the mutated sources still declare what the case needs: if not, nobody would run it."""
+    variants = runner.judging(runner.find(case.check), case.engine, engine_class(case.engine))
+    return any(one.name == case.variant for one in variants)
+
+
+def _all_lines(recorder: recording.Recorder) -> recording.Executed:
     """The lines that the workers and this process executed since the last call."""
-    found = {file: set(lines) for file, lines in recorder.take().items()}
+    own = recorder.take()
     try:
-        of_workers = pool.lines()
+        return recording.merged([own, runner.lines_of_workers()])
     except EngineError:
-        of_workers = {}
-    for file, lines in of_workers.items():
-        found.setdefault(file, set()).update(lines)
-    return {file: sorted(lines) for file, lines in found.items()}
+        return own
 
 
 if __name__ == "__main__":

@@ -80,7 +80,9 @@ def _executed(site: Site) -> tuple[int, int]:
     """First and last line of the statement, without those that it contains; of a default value, of its function."""
     statement = _statement(site)
     inner = getattr(statement, "body", None)
-    if not inner or isinstance(statement, ast.FunctionDef):
+    if isinstance(statement, ast.FunctionDef):
+        return statement.body[0].lineno, statement.end_lineno or statement.lineno
+    if not inner:
         return statement.lineno, statement.end_lineno or statement.lineno
     return statement.lineno, max(statement.lineno, inner[0].lineno - 1)
 
@@ -305,30 +307,20 @@ OPERATORS: dict[str, Operator] = {
     "stale variable": _stale_variable,
 }
 
-#: Names of what decides how much is looked at, kept or built at a time.
-_SIZES = re.compile(r"capacity|skin|cell|margin|room|reach|slack|spare|growth|batch|bucket|width|limit|per_", re.I)
-_SEARCHES = re.compile(r"predict|neighbour|pairs|search|around|fill|visit|extent|axis|shells", re.I)
+#: Names of what decides how much is looked at, kept or built at a time, and of functions that look or build.
+_SIZES = re.compile(r"capacity|skin|close|fine|margin|slack|spare|growth|batch|bucket|many|per_", re.I)
+_BUILDS = re.compile(r"refresh|renew|rebuild|prune|moved|make_list|up_to_date", re.I)
 
 
-def _larger_size(source: Source, site: Site) -> Iterator[Change]:
-    """A capacity, skin or size of cells that is 1.5 or 2 times as large."""
+def _other_size(source: Source, site: Site) -> Iterator[Change]:
+    """A capacity, a skin or another size of lists and cells that is twice or half as large."""
     value = _number(site.node)
-    power = isinstance(site.parents[0], ast.BinOp) and isinstance(site.parents[0].op, ast.Pow | ast.Mod | ast.BitAnd)
-    if not value or site.in_index or power:
+    factor = isinstance(site.parents[0], ast.BinOp) and isinstance(site.parents[0].op, ast.Mult)
+    bound = isinstance(site.parents[0], ast.Assign) and not site.scope.inside
+    if not value or site.in_index or not (factor or bound) or not _SIZES.search(source.segment(_statement(site))):
         return
-    around = next((one for one in site.parents if isinstance(one, ast.stmt | ast.keyword)), None)
-    names: list[str] = []
-    if isinstance(around, ast.Assign | ast.AnnAssign):
-        targets = around.targets if isinstance(around, ast.Assign) else [around.target]
-        names = [source.segment(one) for one in targets]
-    elif isinstance(around, ast.keyword):
-        names = [around.arg or ""]
-    elif isinstance(around, ast.Return):
-        names = [site.scope.name]
-    if any(_SIZES.search(name) for name in names):
-        for factor in (1.5, 2.0):
-            changed = value * factor
-            yield site.node, _literal(math.ceil(changed) if isinstance(value, int) else changed)
+    for change in (2.0, 0.5):
+        yield site.node, _literal(math.ceil(value * change) if isinstance(value, int) else value * change)
 
 
 def _dropped_shortcut(source: Source, site: Site) -> Iterator[Change]:
@@ -340,17 +332,32 @@ def _dropped_shortcut(source: Source, site: Site) -> Iterator[Change]:
 
 
 def _widened_search(source: Source, site: Site) -> Iterator[Change]:
-    """A search among neighbours that goes one further: + 1 becomes + 2, - 1 becomes - 2."""
+    """A search among neighbours that goes one cell further, or a cell that begins one sooner."""
+    node, parent = site.node, site.parents[0]
+    if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub) and _number(node.right) == 1):
+        return
+    bound = (
+        site.in_index
+        and isinstance(parent, ast.Call)
+        and len(parent.args) == 2
+        and _number(parent.args[0]) is None
+        and node is parent.args[1]
+    )
+    if bound or (isinstance(parent, ast.Tuple) and isinstance(site.parents[1], ast.Assign)):
+        yield node, f"{source.operand(node.left)} {'+' if isinstance(node.op, ast.Add) else '-'} 2"
+
+
+def _always_done(source: Source, site: Site) -> Iterator[Change]:
+    """Lists that are built, or events that are predicted, whether they have to be or not."""
     node = site.node
-    searches = _SEARCHES.search(site.scope.name) and not any(isinstance(one, ast.Subscript) for one in site.parents)
-    if searches and isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub) and _number(node.right) == 1:
-        symbol = "+" if isinstance(node.op, ast.Add) else "-"
-        yield node, f"{source.operand(node.left)} {symbol} 2"
+    if isinstance(node, ast.If) and (_BUILDS.search(site.scope.name) or _BUILDS.search(source.segment(node.test))):
+        yield node.test, "True"
 
 
 #: The operators that should change the cost alone, by name.
 COST_OPERATORS: dict[str, Operator] = {
-    "larger size": _larger_size,
+    "other size": _other_size,
     "dropped shortcut": _dropped_shortcut,
     "widened search": _widened_search,
+    "always done": _always_done,
 }

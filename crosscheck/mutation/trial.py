@@ -95,8 +95,8 @@ def _executes(mutant: Mutant, one: Executed) -> bool:
     file, mutation = f"{mutant.package}/{mutant.file}", mutant.mutation
     if mutation.binds is None:
         return one.executes(file, mutation.first, mutation.last)
-    if one.executes(file, mutation.first, mutation.last):  # a default value, of a function that is called
-        return True
+    if any(mutation.first <= line <= mutation.last for line in one.lines.get(file, ())):
+        return True  # a default value, of a function that is called
     users = _lines_with(mutant.package, mutation.binds)
     if not users:
         return file in one.lines

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.stepping.faults import LOSS, STALE_LISTS, pair_fault
 from crosscheck.checks.stepping.fluids import (

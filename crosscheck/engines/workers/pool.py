@@ -19,7 +19,7 @@ import numpy as np
 
 from crosscheck.engines.protocol import Cost, Run
 from crosscheck.engines.soft_spheres import resolved
-from crosscheck.engines.workers import border, ending
+from crosscheck.engines.workers import border, ending, recording
 from crosscheck.engines.workers.cache import kernel_cache
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
@@ -80,8 +80,8 @@ class Worker:
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
         return self._checked(lambda reply: border.reason(reply["reason"]), {"call": "supports", **texts})
 
-    def lines(self) -> dict[str, list[int]]:
-        """The lines executed since the last call, by file, of a worker that records, see `workers.recording`."""
+    def lines(self) -> recording.Executed:
+        """The lines executed since the last call, of a worker that records, see `workers.recording`."""
         alive = self._process is not None and self._process.poll() is None
         return self._checked(lambda reply: dict(reply["lines"]), {"call": "lines"}) if alive else {}
 
@@ -325,13 +325,9 @@ class Pool:
         self._workers[key].time_limit = self.time_limit
         return self._workers[key]
 
-    def lines(self) -> dict[str, list[int]]:
-        """The lines that all workers executed since the last call, by file, see `Worker.lines`."""
-        found: dict[str, set[int]] = {}
-        for worker in self._workers.values():
-            for file, lines in worker.lines().items():
-                found.setdefault(file, set()).update(lines)
-        return {file: sorted(lines) for file, lines in found.items()}
+    def lines(self) -> recording.Executed:
+        """The lines that all workers executed since the last call, see `Worker.lines`."""
+        return recording.merged(worker.lines() for worker in self._workers.values())
 
     def close(self) -> None:
         """Ends all workers."""

@@ -21,6 +21,8 @@ VARIABLE = "CROSSCHECK_RECORD_LINES"
 
 #: Line numbers by file.
 Lines = dict[str, set[int]]
+#: What a recorder returns: sorted line numbers by file, of "run", since the last call, and of "import", of all imports.
+Executed = dict[str, dict[str, list[int]]]
 
 
 def recorder() -> Recorder | None:
@@ -35,6 +37,8 @@ class Recorder:
     def __init__(self, roots: Iterable[str]) -> None:
         self._roots = tuple(f"{root.rstrip('/')}/" for root in roots)
         self._executed: dict[CodeType, set[int]] = {}
+        self._imported: dict[CodeType, set[int]] = {}
+        self._importing = 0
         self._to_come: dict[CodeType, int] = {}
         self._compiled: Lines = {}
         self._of_library: dict[int, Lines] = {}
@@ -44,14 +48,14 @@ class Recorder:
             self._listen_to_compiler()
         sys.settrace(self._called)
 
-    def take(self) -> dict[str, list[int]]:
-        """The lines since the last call, by file, sorted; kernels in use are loaded again at their next call."""
+    def take(self) -> Executed:
+        """The lines since the last call, and those of imports; kernels in use are loaded again at their next call."""
         found = _union([self._compiled, *(_by_file(one) for one in (self._executed, *self._pending))])
         self._executed.clear()
         self._pending.clear()
         self._compiled.clear()
         _forget_kernels()
-        return {file: sorted(lines) for file, lines in found.items()}
+        return {"run": _sorted(found), "import": _sorted(_by_file(self._imported))}
 
     # -- Python ------------------------------------------------------------------------------------
 
@@ -63,12 +67,27 @@ class Recorder:
             left = self._to_come[code] = len({line for _, _, line in code.co_lines() if line}) if ours else 0
         if not left:
             return None
-        lines = self._executed.get(code)
+        module = code.co_name == "<module>"
+        self._importing += module
+        record = self._imported if self._importing else self._executed
+        lines = record.get(code)
         if lines is None:
-            lines = self._executed[code] = {code.co_firstlineno}
+            lines = record[code] = {code.co_firstlineno}
         elif len(lines) >= left:
             return None
-        return _line_tracer(lines)
+        return self._module_tracer(lines) if module else _line_tracer(lines)
+
+    def _module_tracer(self, lines: set[int]) -> Callable[..., Any]:
+        """As `_line_tracer`; what is called until the module returns is called by an import."""
+
+        def line(frame: FrameType, event: str, argument: Any) -> Callable[..., Any]:
+            if event == "line":
+                lines.add(frame.f_lineno)
+            elif event == "return":
+                self._importing -= 1
+            return line
+
+        return line
 
     # -- numba -------------------------------------------------------------------------------------
 
@@ -189,9 +208,22 @@ def _by_file(executed: Mapping[CodeType, set[int]]) -> Lines:
     return found
 
 
+def _sorted(lines: Lines) -> dict[str, list[int]]:
+    return {file: sorted(numbers) for file, numbers in lines.items()}
+
+
 def _add(to: Lines, lines: Mapping[str, set[int]]) -> None:
     for file, numbers in lines.items():
         to.setdefault(file, set()).update(numbers)
+
+
+def merged(several: Iterable[Executed]) -> Executed:
+    """All that several recorders have recorded; several: what each returned."""
+    every = list(several)
+    return {
+        kind: _sorted(_union({file: set(lines) for file, lines in one.get(kind, {}).items()} for one in every))
+        for kind in ("run", "import")
+    }
 
 
 def _union(several: Iterable[Mapping[str, set[int]]]) -> Lines:

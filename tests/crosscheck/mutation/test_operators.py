@@ -121,7 +121,7 @@ def test_a_mutation_names_the_lines_that_execute_it_and_the_names_that_it_binds(
     found = {one.line: one for one in mutations(Source(source), {"constant": OPERATORS["constant"]})}
     assert [(one.first, one.last, one.binds) for one in found.values()] == [
         (1, 1, ("A",)),
-        (4, 8, ("f",)),
+        (5, 8, ("f",)),
         (5, 6, None),
         (7, 7, None),
     ]

@@ -27,7 +27,7 @@ def mutant(binds: tuple[str, ...] | None = None) -> Mutant:
 def case(name: str, seconds: float, interpreted: bool = True, lines: tuple[int, ...] = (3,)) -> Executed:
     check, _, variant = name.rpartition("/")
     return Executed(
-        Case(check, variant, "refimpl", False), 0, "", "pass", seconds, interpreted, {FILE: frozenset(lines)}
+        Case(check, variant, "refimpl", False), 0, "", "pass", seconds, interpreted, {FILE: frozenset(lines)}, {}
     )
 
 

@@ -20,6 +20,11 @@ def kernel(x):
     y = inner(x)
     return y * 2.0
 
+def at_import():
+    return 7.0
+
+NUMBER = at_import()
+
 def plain(x):
     if x > 0:
         return kernel(x)
@@ -34,9 +39,11 @@ import module
 found = []
 for x in (-1.0, 1.0, 1.0):
     module.plain(x)
-    found.append(recorder.take().get(module.__file__, []))
+    taken = recorder.take()
+    found.append(taken["run"].get(module.__file__, []))
+    imported = taken["import"][module.__file__]
 sys.settrace(None)
-print(json.dumps(found))
+print(json.dumps([*found, imported]))
 """
 
 
@@ -58,7 +65,9 @@ def test_lines_of_python_and_of_kernels(tmp_path: Path) -> None:
     (tmp_path / "module.py").write_text(MODULE)
     of_kernels = {"return x + 1.0", "y = inner(x)", "return y * 2.0"}
     for _ in range(2):  # compiled, then loaded from the cache
-        first, second, third = recorded(tmp_path)
+        first, second, third, imported = recorded(tmp_path)
+        assert {"def plain(x):", "return 7.0"} <= set(imported)
+        assert "return 7.0" not in first
         assert "return -1.0" in first
         assert not of_kernels & set(first)
         assert of_kernels <= set(second)
@@ -68,6 +77,6 @@ def test_lines_of_python_and_of_kernels(tmp_path: Path) -> None:
 
 def test_interpreted_kernels_are_lines_of_python(tmp_path: Path) -> None:
     (tmp_path / "module.py").write_text(MODULE)
-    _, second, third = recorded(tmp_path, NUMBA_DISABLE_JIT="1")
+    _, second, third, _ = recorded(tmp_path, NUMBA_DISABLE_JIT="1")
     assert {"return x + 1.0", "y = inner(x)", "return kernel(x)"} <= set(second)
     assert second == third
