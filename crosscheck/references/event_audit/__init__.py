@@ -4,6 +4,7 @@ It shares no code with any engine: laws of collisions, motion between them and a
 definitions of the scene language. `audit` reads a run; `reconstructed` makes a trace from a densely sampled one.
 """
 
-from crosscheck.references.event_audit.audit import Audit, audit
+from crosscheck.references.event_audit.audit import KINDS, audit
+from crosscheck.references.event_audit.deviations import Audit
 
-__all__ = ["Audit", "audit"]
+__all__ = ["KINDS", "Audit", "audit"]

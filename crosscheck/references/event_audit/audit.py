@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from crosscheck.references import EPSILON
+from crosscheck.references.event_audit.deviations import Audit
+from crosscheck.references.event_audit.fields import audit_fields
 from crosscheck.references.event_audit.history import Event, History
-from crosscheck.references.event_audit.matter import Matter, matter_of
-from crosscheck.references.event_audit.rules import (
-    Motion,
-    Outcome,
-    pair_collision,
-    size,
-    wall_collision,
-    well_edge,
-)
+from crosscheck.references.event_audit.matter import matter_of, wall_motion
+from crosscheck.references.event_audit.missed import audit_missed
+from crosscheck.references.event_audit.rules import Motion, Outcome, pair_collision, size, wall_collision, well_edge
+from crosscheck.references.event_audit.tallies import audit_tallies
 from crosscheck.scene import Floats, Scene
 from crosscheck.scene.parts import Face
 
@@ -28,50 +24,17 @@ ROUNDINGS = 32.0
 LARGEST_DRAW = 10.0
 
 
-@dataclass
-class Audit:
-    """The largest deviation of each kind, as a share of its tolerance, and where it was found.
-
-    shares: by kind, in a fixed order. where: in words, by kind. events: number of those audited.
-    """
-
-    shares: dict[str, float] = field(default_factory=dict)
-    where: dict[str, str] = field(default_factory=dict)
-    events: int = 0
-
-    def note(self, kind: str, error: float, tolerance: float, where: str) -> None:
-        """Takes up a deviation. kind: of it. error, tolerance: in one unit; NaN fails. where: in words."""
-        share = float(error / tolerance) if error == error else math.inf
-        if share > self.shares.setdefault(kind, 0.0):
-            self.shares[kind], self.where[kind] = share, where
-
-    @property
-    def good(self) -> bool:
-        """Whether all deviations are within their tolerances."""
-        return all(share <= 1 for share in self.shares.values())
-
-
-@dataclass(frozen=True)
-class Scales:
-    """Sizes of rounding in one run. length, velocity, spin: errors that rounding explains; speed: the largest one."""
-
-    length: float
-    velocity: float
-    spin: float
-    speed: float
-
-
-#: Kinds of deviation, in the order of the report.
-KINDS = (
-    "order of events",
-    "free flight",
-    "contact",
-    "approach",
-    "velocities after",
-    "spins after",
-    "drawn velocities",
-    "missed events",
-)
+#: Kinds of deviation of the events themselves, in the order of the report, and what their tolerance is.
+KINDS = {
+    "order of events": "times do not go backwards, and the partners exist",
+    "free flight": "rounding of positions, and of the times of events",
+    "contact": "rounding of positions, and of the times of events",
+    "approach": "rounding of velocities",
+    "velocities after": "rounding of the normal, that of positions over the radius, times the largest velocity",
+    "spins after": "as of velocities, over the radius",
+    "drawn velocities": "what the law of a random wall makes possible; no draw repeats",
+    "missed events": "rounding of positions: no overlap of any pair, image or wall between events",
+}
 
 
 def audit(scene: Scene, run: Mapping[str, Floats]) -> Audit:
@@ -80,239 +43,196 @@ def audit(scene: Scene, run: Mapping[str, Floats]) -> Audit:
     scene: of hard spheres, with `output.trace`; whatever else it asks for is audited too. run: what the engine
     returned.
     """
-    from crosscheck.references.event_audit.fields import audit_fields
-    from crosscheck.references.event_audit.missed import audit_missed
-    from crosscheck.references.event_audit.tallies import audit_tallies
-
     matter, found = matter_of(scene), Audit()
     for kind in KINDS:
         found.note(kind, 0.0, 1.0, "")
     history = History(scene, matter, run)
-    scales = _scales(matter, history, run)
+    judge = _Judge(history, found)
     found.events = len(history.times)
     for number in range(len(history.times)):
-        event = _event(history, scales, found, number)
+        event = judge.event(number)
         if event is None:
             return found  # all that follows would be judged by what did not happen
         history.append(event)
     history.close()
-    audit_missed(history, scales.length, found)
-    audit_tallies(scene, history, run, (scales.length, scales.velocity, scales.spin), found)
+    audit_missed(history, judge.length, found)
+    audit_tallies(scene, history, run, (judge.length, judge.velocity, judge.spin), found)
     if scene.output.fields is not None:
         audit_fields(scene, history, run, found)
     return found
 
 
-def _scales(matter: Matter, history: History, run: Mapping[str, Floats]) -> Scales:
-    finite = matter.lengths[np.isfinite(matter.lengths)]
-    extent = max(
-        float(np.abs(history.start.positions).max()),
-        float(np.abs(run["final_positions"]).max()),
-        float(np.abs(run["event_positions"]).max(initial=0.0)),
-        float(finite.max(initial=0.0)),
-    )
-    velocities = (history.start.velocities, run["final_velocities"], run["event_velocities"])
-    speed = max(float(np.abs(v).max(initial=0.0)) for v in velocities)
-    speed += size(matter.acceleration) * history.end
-    smallest = float(matter.radii.min()) or extent
-    spin = speed / smallest / min(matter.shape, 1.0)
-    if "final_angular_velocities" in run:
-        spin = max(spin, float(np.abs(run["event_angular_velocities"]).max(initial=0.0)))
-    length = ROUNDINGS * EPSILON * (extent + speed * history.end)
-    relative = length / min(smallest, extent)
-    return Scales(length, relative * speed, relative * spin, speed)
+class _Judge:
+    """Judges one event after the other.
 
+    Attributes: length, velocity, spin: errors that rounding explains. speed: the largest one of the run.
+    """
 
-def _event(history: History, scales: Scales, found: Audit, number: int) -> Event | None:
-    """One event, judged; None if it is none at all, and nothing after it can be judged."""
-    matter, time, run = history.matter, history.times[number], history.run
-    i, j = (int(one) for one in run["event_partners"][number])
-    where = f"event {number}, t = {time:.6g}, {f'particles {i} and {j}' if j >= 0 else f'particle {i}, face {-1 - j}'}"
-    latest = history.times[number - 1] if number else 0.0
-    backwards = max(latest - time, time - history.end, 0.0)
-    found.note("order of events", backwards, EPSILON * max(history.end, 1e-300) * 4, where)
-    faces = 2 * matter.dimension + (matter.cylinder is not None)
-    if not (0 <= i < matter.number and -1 - faces < 0 and -faces <= j < matter.number and i != j):
-        found.note("order of events", math.inf, 1.0, f"{where}: there are no such partners")
-        return None
-    if matter.fixed[i] and (j < 0 or matter.fixed[j]):
-        found.note("order of events", math.inf, 1.0, f"{where}: a fixed particle has no events of its own")
-        return None
-    who = [i] if j < 0 else [i, j]
-    before, after = [], []
-    for place, one in enumerate(who):
-        x, motion = history.flown(one, time)
-        seen = history.seen(number, place)
-        found.note("free flight", float(np.abs(x - seen[0]).max()), scales.length, f"{where}: position of {one}")
-        before.append((seen[0], motion))
-        after.append(seen[1])
-    if j < 0:
-        face = -1 - j
-        outcomes, n = _at_wall(history, scales, found, i, face, time, before[0], after[0], where)
-        event = Event(number, time, i, j, n, 0.0, "wall", before, after)
-    else:
-        gap = matter.nearest((before[1][0] - before[0][0])[: matter.dimension])
-        distance = float(np.sqrt(gap @ gap))
-        n = np.zeros(3)
-        n[: matter.dimension] = gap / distance
-        outcomes, kind = _at_pair(history, scales, found, (i, j), n, distance, time, before, where)
-        event = Event(number, time, i, j, n, distance, kind, before, after)
-    if not outcomes:
-        return None
-    _judge_outcome(found, scales, outcomes, event, where)
-    return event
+    def __init__(self, history: History, found: Audit) -> None:
+        self.history, self.matter, self.found = history, history.matter, found
+        self.drawn: list[float] = []
+        matter, run = history.matter, history.run
+        extent = float(matter.lengths[np.isfinite(matter.lengths)].max(initial=0.0))
+        for positions in (history.start.positions, run["final_positions"], run["event_positions"]):
+            extent = max(extent, float(np.abs(positions).max(initial=0.0)))
+        velocities = (history.start.velocities, run["final_velocities"], run["event_velocities"])
+        speed = max(float(np.abs(v).max(initial=0.0)) for v in velocities)
+        self.speed = speed + size(matter.acceleration) * history.end
+        smallest = float(matter.radii[matter.radii > 0].min(initial=extent))
+        spin = self.speed / smallest / min(matter.shape, 1.0)
+        if "event_angular_velocities" in run:
+            spin = max(spin, float(np.abs(run["event_angular_velocities"]).max(initial=0.0)))
+        self.length = ROUNDINGS * EPSILON * (extent + self.speed * history.end)
+        relative = self.length / min(smallest, extent)
+        self.velocity, self.spin = relative * self.speed, relative * spin
 
+    def event(self, number: int) -> Event | None:
+        """One event, judged; None if it is none at all, and nothing after it can be judged. number: its place."""
+        history, matter = self.history, self.matter
+        i, j = (int(one) for one in history.run["event_partners"][number])
+        time = history.times[number]
+        who = f"particles {i} and {j}" if j >= 0 else f"particle {i}, face {-1 - j}"
+        where = f"event {number}, t = {time:.6g}, {who}"
+        if not self._possible(number, time, i, j, where):
+            return None
+        before, after = [], []
+        for place, one in enumerate([i] if j < 0 else [i, j]):
+            x, motion = history.flown(one, time)
+            seen, seen_after = history.seen(number, place)
+            self.found.note("free flight", float(np.abs(x - seen).max()), self.length, f"{where}: position of {one}")
+            before.append((seen, motion))
+            after.append(seen_after)
+        event = Event(number, time, i, j, np.zeros(3), 0.0, "wall", before, after)
+        if j < 0:
+            outcomes = self._at_wall(event, -1 - j, where)
+        else:
+            gap = matter.nearest((before[1][0] - before[0][0])[: matter.dimension])
+            event.distance = float(np.sqrt(gap @ gap))
+            event.n[: matter.dimension] = gap / event.distance
+            outcomes = self._at_pair(event, where)
+        if not outcomes:
+            return None
+        self._outcome(outcomes, event, where)
+        return event
 
-def _judge_outcome(found: Audit, scales: Scales, outcomes: list[Outcome], event: Event, where: str) -> None:
-    """Velocities and spins after the event, against the nearest of the outcomes that the rule allows."""
+    def _possible(self, number: int, time: float, i: int, j: int, where: str) -> bool:
+        """Whether there are such partners, which may have an event; notes times that go backwards."""
+        history, matter = self.history, self.matter
+        latest = history.times[number - 1] if number else 0.0
+        backwards = max(latest - time, time - history.end, 0.0)
+        self.found.note("order of events", backwards, EPSILON * 4 * max(history.end, 1e-300), where)
+        faces = 2 * matter.dimension + (matter.cylinder is not None)
+        if not (0 <= i < matter.number and -faces <= j < matter.number and i != j):
+            self.found.note("order of events", math.inf, 1.0, f"{where}: there are no such partners")
+            return False
+        if matter.fixed[i] and (j < 0 or matter.fixed[j]):
+            self.found.note("order of events", math.inf, 1.0, f"{where}: a fixed particle has no event of its own")
+            return False
+        return True
 
-    def errors(outcome: Outcome) -> tuple[float, float]:
-        expected = [outcome.first] + ([] if outcome.second is None else [outcome.second])
-        pairs = list(zip(expected, event.after, strict=True))
-        velocity = max(float(np.abs(a.velocity - b.velocity).max()) for a, b in pairs)
-        spin = max(float(np.abs(a.spin - b.spin).max()) for a, b in pairs)
-        return velocity / (outcome.amplified * scales.velocity), spin / (outcome.amplified * scales.spin)
+    def _outcome(self, outcomes: list[Outcome], event: Event, where: str) -> None:
+        """Velocities and spins after the event, against the nearest of the outcomes that the rule allows."""
 
-    best = min(outcomes, key=lambda outcome: max(errors(outcome)))
-    velocity, spin = errors(best)
-    event.inside = best.inside
-    what = {"core": "collision", "edge": "edge of the well", "wall": "wall"}[event.kind]
-    found.note("velocities after", velocity, 1.0, f"{where}: {what}")
-    found.note("spins after", spin, 1.0, f"{where}: {what}")
+        def errors(outcome: Outcome) -> tuple[float, float]:
+            expected = [outcome.first] + ([] if outcome.second is None else [outcome.second])
+            pairs = list(zip(expected, event.after, strict=True))
+            velocity = max(float(np.abs(a.velocity - b.velocity).max()) for a, b in pairs)
+            spin = max(float(np.abs(a.spin - b.spin).max()) for a, b in pairs)
+            return velocity / (outcome.amplified * self.velocity), spin / (outcome.amplified * self.spin)
 
+        best = min(outcomes, key=lambda outcome: max(errors(outcome)))
+        velocity, spin = errors(best)
+        event.inside = best.inside
+        what = {"core": "collision", "edge": "edge of the well", "wall": "wall"}[event.kind]
+        self.found.note("velocities after", velocity, 1.0, f"{where}: {what}")
+        self.found.note("spins after", spin, 1.0, f"{where}: {what}")
 
-def _at_pair(
-    history: History,
-    scales: Scales,
-    found: Audit,
-    pair: tuple[int, int],
-    n: Floats,
-    distance: float,
-    time: float,
-    before: list[tuple[Floats, Motion]],
-    where: str,
-) -> tuple[list[Outcome], str]:
-    """The outcomes that the rule allows, and whether the pair is at its "core" or at the "edge" of its well."""
-    matter, (i, j) = history.matter, pair
-    one, other = before[0][1], before[1][1]
-    contact = matter.radii[i] + matter.radii[j]
-    edge = contact * matter.well_range
-    core = matter.spheres.well is None or distance - contact < edge - distance
-    found.note("contact", abs(distance - (contact if core else edge)), scales.length, where)
-    apart = float((other.velocity - one.velocity) @ n)
-    if core:
+    def _at_pair(self, event: Event, where: str) -> list[Outcome]:
+        """The outcomes that the rule allows, at the core or at the edge of the well: what is nearer."""
+        matter, i, j, n = self.matter, event.i, event.j, event.n
+        one, other = event.before[0][1], event.before[1][1]
+        contact = matter.radii[i] + matter.radii[j]
+        edge = contact * matter.well_range
+        core = matter.spheres.well is None or event.distance - contact < edge - event.distance
+        event.kind = "core" if core else "edge"
+        self.found.note("contact", abs(event.distance - (contact if core else edge)), self.length, where)
         if contact == 0:
-            found.note("contact", math.inf, 1.0, f"{where}: points never hit each other")
-        found.note("approach", max(apart, 0.0), scales.velocity, where)
-        elastic = history.collided_lately(i, time) or history.collided_lately(j, time)
-        return pair_collision(matter, i, j, n, one, other, elastic, scales.speed), "core"
-    inside = history.inside(i, j)
-    found.note("approach", max(-apart if inside else apart, 0.0), scales.velocity, f"{where}: edge of the well")
-    return well_edge(matter, i, j, n, one, other, inside), "edge"
+            self.found.note("contact", math.inf, 1.0, f"{where}: points never hit each other")
+        apart = float((other.velocity - one.velocity) @ n)
+        if core:
+            self.found.note("approach", max(apart, 0.0), self.velocity, where)
+            elastic = any(self.history.collided_lately(k, event.time) for k in (i, j))
+            return pair_collision(matter, i, j, n, one, other, elastic, self.speed)
+        inside = self.history.inside(i, j)
+        wrong_way = max(-apart if inside else apart, 0.0)
+        self.found.note("approach", wrong_way, self.velocity, f"{where}: edge of the well")
+        return well_edge(matter, i, j, n, one, other, inside)
 
+    def _at_wall(self, event: Event, face: int, where: str) -> list[Outcome]:
+        """The outcomes that the rule of the wall allows; sets the unit vector towards it."""
+        matter, (x, motion), n = self.matter, event.before[0], event.n
+        elastic = self.history.collided_lately(event.i, event.time)
+        if face == 2 * matter.dimension:
+            return self._at_cylinder(event, elastic, where)
+        axis, upper = divmod(face, 2)
+        wall = matter.faces[face]
+        n[axis] = 1.0 if upper else -1.0
+        if wall is None:
+            self.found.note("contact", math.inf, 1.0, f"{where}: there is no wall")
+            return []
+        place, own = wall_motion(wall, event.time)
+        height = matter.lengths[axis] - x[axis] if upper else x[axis]
+        self.found.note("contact", abs(height - matter.radii[event.i] - place), self.length, where)
+        arriving = -float(motion.velocity @ n)
+        if wall.temperature is not None:
+            self.found.note("approach", max(arriving, 0.0), self.velocity, where)
+            return [self._thermal(event, wall.temperature, where)]
+        law = (1.0, None) if elastic else (wall.restitution, wall.friction)
+        if wall.random_phase is not None:
+            own = self._drawn_phase(event, wall, law[0], arriving, where)
+        self.found.note("approach", max(arriving - own, 0.0), self.velocity, where)
+        return wall_collision(matter, event.i, n, motion, law, -own * n, self.speed)
 
-def _at_wall(
-    history: History,
-    scales: Scales,
-    found: Audit,
-    i: int,
-    face: int,
-    time: float,
-    before: tuple[Floats, Motion],
-    after: Motion,
-    where: str,
-) -> tuple[list[Outcome], Floats]:
-    """The outcomes that the rule allows, and the unit vector towards the wall."""
-    matter, (x, motion) = history.matter, before
-    elastic = history.collided_lately(i, time)
-    if face == 2 * matter.dimension:
-        return _at_cylinder(history, scales, found, i, x, motion, elastic, where)
-    axis, upper = divmod(face, 2)
-    wall = matter.faces[face]
-    n = np.zeros(3)
-    n[axis] = 1.0 if upper else -1.0
-    if wall is None:
-        found.note("contact", math.inf, 1.0, f"{where}: there is no wall")
-        return [], n
-    place, own = wall_motion(wall, time)
-    height = matter.lengths[axis] - x[axis] if upper else x[axis]
-    found.note("contact", abs(height - matter.radii[i] - place), scales.length, where)
-    inwards = -n
-    arriving = float(motion.velocity @ inwards)
-    if wall.temperature is not None:
-        found.note("approach", max(arriving, 0.0), scales.velocity, where)
-        return [_thermal(matter, found, scales, history, i, wall, inwards, motion, after, where)], n
-    law = (1.0, None) if elastic else (wall.restitution, wall.friction)
-    if wall.random_phase is not None:
-        # any velocity that the wall can have and that lets the two meet, but only this one fits what came out
-        own = (float(after.velocity @ inwards) + law[0] * arriving) / (1 + law[0])
-        beyond = abs(own) - wall.random_phase.speed
-        found.note("drawn velocities", max(beyond, 0.0), scales.velocity, f"{where}: faster than the wall can be")
-        _no_repetition(history, found, own, where)
-    found.note("approach", max(arriving - own, 0.0), scales.velocity, where)
-    return wall_collision(matter, i, n, motion, law, own * inwards, scales.speed), n
+    def _drawn_phase(self, event: Event, wall: Face, restitution: float, arriving: float, where: str) -> float:
+        """The velocity of a random wall that explains what came out: v'_n = (1 + a) V - a v_n; it must be possible."""
+        assert wall.random_phase is not None
+        own = (-float(event.after[0].velocity @ event.n) + restitution * arriving) / (1 + restitution)
+        beyond = max(abs(own) - wall.random_phase.speed, 0.0)
+        self.found.note("drawn velocities", beyond, self.velocity, f"{where}: faster than the wall can be")
+        self._new_draw(own, where)
+        return own
 
+    def _thermal(self, event: Event, temperature: float, where: str) -> Outcome:
+        """A thermal wall: any velocity away from it that its temperature makes possible; it does not touch the spin."""
+        after = event.after[0]
+        width = math.sqrt(temperature / self.matter.masses[event.i])
+        inwards = max(float(after.velocity @ event.n), 0.0)
+        self.found.note("drawn velocities", inwards, EPSILON * width, f"{where}: into the thermal wall")
+        share = size(after.velocity) / width
+        self.found.note("drawn velocities", share, LARGEST_DRAW, f"{where}: too fast for the temperature")
+        for axis in range(self.matter.dimension):
+            self._new_draw(float(after.velocity[axis]), f"{where}, along {'xyz'[axis]}")
+        return Outcome(Motion(after.velocity, event.before[0][1].spin), None, 1.0)
 
-def wall_motion(wall: Face, time: float) -> tuple[float, float]:
-    """Displacement (length) and velocity (length/time) of a plane wall, both into the box. time: since t = 0."""
-    if wall.oscillation is not None:
-        amplitude, frequency, phase = wall.oscillation.amplitude, wall.oscillation.frequency, wall.oscillation.phase
-        angle = frequency * time + phase
-        return amplitude * math.cos(angle), -amplitude * frequency * math.sin(angle)
-    return 0.0, wall.velocity or 0.0
+    def _new_draw(self, drawn: float, where: str) -> None:
+        """Random numbers of the continuum do not repeat."""
+        repeated = any(abs(drawn - other) <= 1e-12 * abs(drawn) for other in self.drawn)
+        self.drawn.append(drawn)
+        self.found.note("drawn velocities", float(repeated), 0.5, f"{where}: drawn before")
 
-
-def _thermal(
-    matter: Matter,
-    found: Audit,
-    scales: Scales,
-    history: History,
-    i: int,
-    wall: Face,
-    inwards: Floats,
-    motion: Motion,
-    after: Motion,
-    where: str,
-) -> Outcome:
-    """A thermal wall: any velocity away from it that its temperature makes possible; it does not touch the spin."""
-    assert wall.temperature is not None
-    width = math.sqrt(wall.temperature / matter.masses[i])
-    leaving = float(after.velocity @ inwards)
-    found.note("drawn velocities", max(-leaving, 0.0), EPSILON * width, f"{where}: into the thermal wall")
-    found.note("drawn velocities", size(after.velocity) / width, LARGEST_DRAW, f"{where}: too fast for its temperature")
-    for axis in range(matter.dimension):
-        _no_repetition(history, found, float(after.velocity[axis]), f"{where}, along {'xyz'[axis]}")
-    return Outcome(Motion(after.velocity, motion.spin), None, 1.0)
-
-
-def _no_repetition(history: History, found: Audit, drawn: float, where: str) -> None:
-    """Random numbers of the continuum do not repeat."""
-    repeated = any(abs(drawn - other) <= 1e-12 * abs(drawn) for other in history.drawn)
-    history.drawn.append(drawn)
-    found.note("drawn velocities", float(repeated), 0.5, f"{where}: drawn before")
-
-
-def _at_cylinder(
-    history: History,
-    scales: Scales,
-    found: Audit,
-    i: int,
-    x: Floats,
-    motion: Motion,
-    elastic: bool,
-    where: str,
-) -> tuple[list[Outcome], Floats]:
-    matter = history.matter
-    cylinder, (first, second) = matter.cylinder, matter.across
-    assert cylinder is not None
-    across = np.array([first, second])
-    away = x[across] - matter.lengths[across] / 2
-    distance = math.sqrt(away @ away)
-    found.note("contact", abs(cylinder.radius - matter.radii[i] - distance), scales.length, where)
-    n, along = np.zeros(3), np.zeros(3)
-    n[across] = away / distance
-    along[first], along[second] = -n[second], n[first]
-    found.note("approach", max(-float(motion.velocity @ n), 0.0), scales.velocity, where)
-    law = (1.0, None) if elastic else (cylinder.restitution, cylinder.friction)
-    surface = cylinder.angular_velocity * cylinder.radius * along
-    return wall_collision(matter, i, n, motion, law, surface, scales.speed), n
+    def _at_cylinder(self, event: Event, elastic: bool, where: str) -> list[Outcome]:
+        matter, (x, motion), n = self.matter, event.before[0], event.n
+        cylinder, (first, second) = matter.cylinder, matter.across
+        assert cylinder is not None
+        across = np.array([first, second])
+        away = x[across] - matter.lengths[across] / 2
+        distance = math.sqrt(away @ away)
+        contact = cylinder.radius - matter.radii[event.i]
+        self.found.note("contact", abs(contact - distance), self.length, where)
+        n[across] = away / distance
+        along = np.zeros(3)
+        along[first], along[second] = -n[second], n[first]
+        self.found.note("approach", max(-float(motion.velocity @ n), 0.0), self.velocity, where)
+        law = (1.0, None) if elastic else (cylinder.restitution, cylinder.friction)
+        surface = cylinder.angular_velocity * cylinder.radius * along
+        return wall_collision(matter, event.i, n, motion, law, surface, self.speed)

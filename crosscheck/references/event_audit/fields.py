@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
+from crosscheck.references.event_audit.deviations import Audit
 from crosscheck.references.event_audit.history import Event, History
 from crosscheck.references.event_audit.tallies import OF_SUMS, energies, gained, impulse_on
 from crosscheck.scene import Floats, Scene
-
-if TYPE_CHECKING:
-    from crosscheck.references.event_audit.audit import Audit
 
 
 class _Cells:
@@ -56,7 +55,7 @@ class _Cells:
         passages.sort()
         rotation = float(energies(self.history, i, 0 * v, w))
         cuts = [0.0, *(tau for tau, _, _ in passages), span]
-        for a, b in zip(cuts, cuts[1:], strict=False):
+        for a, b in pairwise(cuts):
             middle = (a + b) / 2
             place = self.place(x + middle * (v + 0.5 * middle * g))
             self.add("mass", place, mass * (b - a))

@@ -99,6 +99,18 @@ def matter_of(scene: Scene) -> Matter:
     )
 
 
+def wall_motion(wall: Face, time: float) -> tuple[float, float]:
+    """Displacement (length) and velocity (length/time) of a plane wall, both into the box.
+
+    wall: not one of random phase. time: since the start.
+    """
+    if wall.oscillation is not None:
+        amplitude, frequency, phase = wall.oscillation.amplitude, wall.oscillation.frequency, wall.oscillation.phase
+        angle = frequency * time + phase
+        return amplitude * math.cos(angle), -amplitude * frequency * math.sin(angle)
+    return 0.0, wall.velocity or 0.0
+
+
 def law_of(friction: Friction | None) -> tuple[float, float, float]:
     """Tangential restitution, static and sliding coefficient of friction; (1, inf, inf) of smooth surfaces."""
     if friction is None:

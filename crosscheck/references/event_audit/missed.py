@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crosscheck.references.event_audit.deviations import Audit
 from crosscheck.references.event_audit.history import History
 from crosscheck.scene import Floats
-
-if TYPE_CHECKING:
-    from crosscheck.references.event_audit.audit import Audit
 
 #: An oscillating wall turns by less than this between two times that are looked at, rad.
 LARGEST_TURN = 0.5

@@ -119,12 +119,12 @@ def well_edge(matter: Matter, i: int, j: int, n: Floats, one: Motion, other: Mot
 
     inside: whether they are in it. Others: as in `pair_collision`.
     """
-    inverse = matter.inverse[i] + matter.inverse[j]
-    apart = (other.velocity - one.velocity) @ n
+    inverse = float(matter.inverse[i] + matter.inverse[j])
+    apart = float((other.velocity - one.velocity) @ n)
     kinetic = apart**2 / (2 * inverse)
     left = kinetic - matter.depth if inside else kinetic + matter.depth
     through = math.copysign(math.sqrt(2 * inverse * max(left, 0.0)), apart)
-    options = []
+    options: list[tuple[float, bool]] = []
     near = UNDECIDED * (kinetic + abs(matter.depth))
     if left >= -near:
         options.append((through, not inside))

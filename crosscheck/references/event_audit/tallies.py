@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crosscheck.references.event_audit.deviations import Audit
 from crosscheck.references.event_audit.history import Event, History
 from crosscheck.scene import Floats, Scene
-
-if TYPE_CHECKING:
-    from crosscheck.references.event_audit.audit import Audit
 
 #: Error of a sum over some hundred events, in units of the sum of the sizes of its terms: 16 roundings of each of them.
 OF_SUMS = 1e-12
@@ -166,8 +163,8 @@ def _integrals(history: History, times: Floats) -> tuple[Floats, Floats, Floats]
     """Kinetic and potential energy, integrated over time up to each of `times`; and the sum of all sizes."""
     matter, g = history.matter, history.matter.acceleration
     kinetic, potential, sizes = (np.zeros(times.size) for _ in range(3))
-    for i in np.flatnonzero(~matter.fixed):
-        known = np.array(history.times_of(i))
+    for i in np.flatnonzero(~matter.fixed).tolist():
+        known = np.array(history.times_of(i), dtype=np.float64)
         x, v, w = history.states_of(i)
         mass = matter.masses[i]
 
