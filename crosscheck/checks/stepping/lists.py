@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.stepping.audit import (
     Expected,
     Ledger,
@@ -21,7 +21,7 @@ from crosscheck.checks.stepping.audit import (
     run_or_refuse,
 )
 from crosscheck.checks.stepping.faults import STALE_LISTS
-from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.capabilities import Needs, words
 from crosscheck.faults import Fault
 from crosscheck.scene import Box, LennardJones, Method, Scene, explicit
 from crosscheck.verdict import Judged
@@ -109,6 +109,10 @@ def _judge(laboratory: Laboratory, motion: Motion) -> Judged:
     return ledger.findings()
 
 
+def _needs(motion: Motion) -> Needs:
+    return Needs("lennard_jones", words=words(motion.scene))
+
+
 _LISTS = "stepping/kernels/neighbours.py"
 
 CHECKS = (
@@ -119,7 +123,7 @@ CHECKS = (
         criterion="each within bounds of rounding: of coordinates, terms and sums, and of velocity Verlet in doubles",
         citation="Verlet, Phys. Rev. 159, 98 (1967); Allen & Tildesley, Computer Simulation of Liquids (1987), 5.3",
         judge=_judge,
-        variants=variants_of(_motions()),
+        variants=tuple(Variant(name, motion, needs=_needs(motion)) for name, motion in _motions().items()),
         faults=(
             ("drift", STALE_LISTS),
             (
