@@ -79,7 +79,7 @@ CHECKS = (
         variants=variants_of({f"rows-{chunk}": chunk for chunk in range(CHUNKS)}),
         faults=(
             (
-                "rows-0",
+                "rows-1",
                 Fault(
                     "softened-virial",
                     "stepping/kernels/gravity.py",
