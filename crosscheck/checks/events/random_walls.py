@@ -403,7 +403,7 @@ CHECKS = (
         variants=(
             Variant("thermal-2d", (_judge_thermal, _Thermal(2)), needs=_needs("box.faces.temperature")),
             Variant("thermal-3d", (_judge_thermal, _Thermal(3)), needs=_needs("box.faces.temperature")),
-            Variant("thermal-long", (_judge_thermal, _Thermal(3, 4000.0)), "full", _needs("box.faces.temperature")),
+            Variant("thermal-long", (_judge_thermal, _Thermal(3, 1000.0)), "full", _needs("box.faces.temperature")),
             Variant("seeds", (_judge_seeds, None), needs=_needs("box.faces.temperature")),
             *(
                 Variant(
