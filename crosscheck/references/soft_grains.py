@@ -60,7 +60,7 @@ _ROUNDINGS = 16.0
 class Law(NamedTuple):
     """Coefficients of one kind of contact, in the equations of the module.
 
-    k: stiffness. normal: c_n = 2 zeta (sqrt(5) zeta), or gamma_n. k_t: tangential stiffness. tangential: c_t, or gamma_t.
+    k: stiffness. normal: c_n = 2 zeta (sqrt(5) zeta), or gamma_n. k_t: tangential stiffness. tangential: c_t, gamma_t.
     mu: coefficient of friction; 0: smooth; infinite: no limit.
     """
 

@@ -54,6 +54,13 @@ _RESTITUTIONS = (1.0, 0.8, 0.6, 0.9, 1.0, 0.7)
 _RETURN, _RETURN_SAMPLES = 0.9, 700
 
 
+class _Thermal(NamedTuple):
+    """dimension: 2 or 3. flights: of each point, of the mean mass and temperature."""
+
+    dimension: int
+    flights: float = _FLIGHTS
+
+
 class Hits(NamedTuple):
     """What walls gave, one row a hit, in the order of particles and then of time.
 
@@ -174,10 +181,11 @@ def _thermal_draws(hits: Hits, axis: int, masses: Floats) -> Floats:
     return np.stack(draws, axis=1)
 
 
-def _judge_thermal(laboratory: Laboratory, dimension: int) -> Judged:
+def _judge_thermal(laboratory: Laboratory, walls: _Thermal) -> Judged:
+    dimension = walls.dimension
     masses, draws, hits, judged = _masses(_POINTS), [], [], []
     for axis in range(dimension):
-        scene = thermal_scene(dimension, axis, laboratory.seed(AXES[axis]))
+        scene = thermal_scene(dimension, axis, laboratory.seed(AXES[axis]), walls.flights)
         run = laboratory.run(scene, EVENT_DRIVEN)
         found = hits_between(run, axis)
         judged += _tallied(scene, run, found, masses)
@@ -393,8 +401,9 @@ CHECKS = (
         citation="Tehver et al., Phys. Rev. E 57, R17 (1998); McNamara & Barrat, Phys. Rev. E 55, 7767 (1997)",
         judge=lambda laboratory, case: case[0](laboratory, case[1]),
         variants=(
-            Variant("thermal-2d", (_judge_thermal, 2), needs=_needs("box.faces.temperature")),
-            Variant("thermal-3d", (_judge_thermal, 3), needs=_needs("box.faces.temperature")),
+            Variant("thermal-2d", (_judge_thermal, _Thermal(2)), needs=_needs("box.faces.temperature")),
+            Variant("thermal-3d", (_judge_thermal, _Thermal(3)), needs=_needs("box.faces.temperature")),
+            Variant("thermal-long", (_judge_thermal, _Thermal(3, 1000.0)), "full", _needs("box.faces.temperature")),
             Variant("seeds", (_judge_seeds, None), needs=_needs("box.faces.temperature")),
             *(
                 Variant(

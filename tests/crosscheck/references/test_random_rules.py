@@ -1,4 +1,4 @@
-"""Distribution functions of random walls, against draws by rejection; and tests of chance, on what is and is not random."""
+"""Distribution functions of random walls, by quadrature; tests of chance, on what is random and what is not."""
 
 from __future__ import annotations
 
