@@ -26,7 +26,7 @@ FLOORS = (
         "crosscheck.faults",
     ),
     ("crosscheck.scene",),
-    ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence"),
+    ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence", "crosscheck.pairs"),
     ("crosscheck.references",),
     ("crosscheck.engines",),
     ("crosscheck.checks",),
