@@ -20,7 +20,7 @@ from crosscheck.scene import Obstacle, Output
 from crosscheck.statistics import independent_mean
 from crosscheck.verdict import Judged, bounded, statistical, worst
 
-ROWS, COLUMNS = 64, 512
+ROWS, COLUMNS, FORCE = 64, 512, 2.0**-13
 #: Before the measurement, seven times the slowest decay, H^2/(pi^2 nu); then stretches of two such times, in steps.
 STRETCHES, WARM, STEPS, EVERY = 16, 30_000, 8000, 50
 
@@ -43,7 +43,7 @@ def _run(laboratory: Laboratory, channel: _Channel) -> Run:
         filled(0.5, laboratory.seed()),
         output,
         obstacles=(Obstacle(rows=(0, 0), rule=channel.rule),),
-        force=2.0**-13,
+        force=FORCE,
     )
     return laboratory.run(scene, LATTICE)
 
@@ -60,6 +60,12 @@ def _judge(laboratory: Laboratory, channel: _Channel) -> Judged:
     per, first = STEPS // EVERY, WARM // EVERY
     j = flow[first + 1 :].reshape(STRETCHES, per, ROWS).mean(axis=1)
     given = np.diff(run["force_impulse"][first::per], axis=0) / (COLUMNS * STEPS)
+    # the probability asked for, of particles along -x where the channel +x is free; both come along their row
+    plus, minus = (
+        populations(run)[first:-1, 0, :, channel] / COLUMNS for channel in (0, int(velocities.cartesian[:, 0].argmin()))
+    )
+    asked = 2 * FORCE * (minus * (1 - plus)).reshape(STRETCHES, per, ROWS).mean(axis=1)
+    push, push_error = independent_mean(given[:, 1:].sum(axis=1) / asked[:, 1:].sum(axis=1))
     step = velocities.row_height
     y = np.arange(ROWS) * step
     inside = slice(3, ROWS - 2)  # rows beside the walls have a Knudsen layer
@@ -82,6 +88,8 @@ def _judge(laboratory: Laboratory, channel: _Channel) -> Judged:
         bounded("momentum that the gas keeps, of what the force gives", kept, 0.05,
                 "steady: the walls take it all, but for its fluctuations and exp(-7) of the decay before",
                 control=True),
+        statistical("momentum given by the force, over that of its probability", push, push_error, 1.0, 0.0,
+                    f"{why}; channels are independent", samples=STRETCHES, needed=0.02),
         statistical("nu", nu, nu_error, *wave, f"{why}; the decay of a shear wave in the same gas",
                     samples=STRETCHES, needed=0.1),
         statistical("departure from the profile, fourth power, over the maximum", curved, curved_error, 0.0, 0.0,

@@ -16,6 +16,7 @@ from crosscheck.checks.lattice.gases import (
     equilibrium_start,
     filled_channels,
     gas_scene,
+    judged_start,
     populations,
 )
 from crosscheck.engines.capabilities import Needs
@@ -42,7 +43,7 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     velocity = settled[0] @ velocities.cartesian / rho
     # for the exact mass and momentum of this gas: the expected value has no error
     expected = fermi_dirac(name, rho / velocities.channels, velocity)
-    judgements = []
+    judgements = [judged_start(counts[0], np.array(start.channels), size**2)]
     for i in range(velocities.channels):
         mean = correlated_mean(settled[:, i])
         judgements.append(
@@ -62,7 +63,7 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     judgements.append(
         bounded(
             "departure at the start, over the largest error",
-            float(departure / max(1e-12, *errors)),
+            float(departure / max(1e-12, *errors[1:])),
             20.0,
             "else the gas had nothing to relax",
             at_least=True,
@@ -75,7 +76,7 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
         "channel",
         "mean occupation",
         series=(
-            Series(name, axis, settled.mean(axis=0).tolist(), error=errors),
+            Series(name, axis, settled.mean(axis=0).tolist(), error=errors[1:]),
             Series(f"{name}: Fermi-Dirac", axis, expected.tolist(), theory=True),
         ),
     )

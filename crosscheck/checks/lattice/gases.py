@@ -22,8 +22,10 @@ from crosscheck.engines.protocol import Kind, Run
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import Unsupported
 from crosscheck.faults import Fault
+from crosscheck.references.lattice_draws import as_normal
 from crosscheck.references.lattice_models import MODELS, VELOCITIES
 from crosscheck.scene import Floats, LatticeGas, Method, Occupations, Output, Scene
+from crosscheck.verdict import Judgement, statistical
 from refimpl.lattice import models, theory
 
 #: A method by its kind: the engine's own first scheme that moves a lattice gas.
@@ -97,6 +99,25 @@ def filled_channels(occupations: Floats, seed: int) -> Occupations:
 def populations(run: Run) -> Floats:
     """Numbers of particles in `run`, (samples, blocks along x, along y, b)."""
     return run["populations"]
+
+
+def judged_start(counts: Floats, occupations: Floats, sites: int) -> Judgement:
+    """The judgement that a gas started with the occupations asked for: what follows is compared at those it has.
+
+    counts: occupations (b,) of the whole gas at the start. occupations: (b,), those asked for. sites: their number.
+    """
+    from scipy.stats import chi2
+
+    z = (counts - occupations) * np.sqrt(sites / (occupations * (1 - occupations)))
+    return statistical(
+        "occupations of the start, less those asked for",
+        as_normal(float(chi2.sf(z @ z, z.size))),
+        1.0,
+        0.0,
+        0.0,
+        f"chi^2 of {z.size} channels that are filled independently, as a normal variable of the same probability",
+        samples=sites,
+    )
 
 
 def methods_for(engine: str, scene: Scene) -> list[Method]:

@@ -14,6 +14,7 @@ from crosscheck.checks.lattice.gases import (
     at_densities,
     filled,
     gas_scene,
+    judged_start,
     populations,
 )
 from crosscheck.engines.capabilities import Needs
@@ -27,8 +28,11 @@ from crosscheck.verdict import Judged, Judgement, round_off, statistical, worst
 SIZE, SAMPLES, SPEED = 1024, 60, 0.2
 
 
-def _flow(laboratory: Laboratory, state: State, angle: float) -> tuple[Floats, Floats]:
-    """(P_xx - P_yy, P_xy) over rho u^2 of a flow at this angle, measured (2, samples) and at equilibrium (2,)."""
+def _flow(laboratory: Laboratory, state: State, angle: float) -> tuple[Floats, Floats, Judgement]:
+    """(P_xx - P_yy, P_xy) over rho u^2 of a flow at this angle, measured (2, samples) and at equilibrium (2,).
+
+    And the judgement of its start.
+    """
     name, density = state
     u = (SPEED * math.cos(angle), SPEED * math.sin(angle))
     start = filled(density, laboratory.seed(f"{angle:.3f}"), velocity_x=u[0], velocity_y=u[1])
@@ -42,7 +46,7 @@ def _flow(laboratory: Laboratory, state: State, angle: float) -> tuple[Floats, F
     measured, expected = (
         np.stack([(p[..., 0, 0] - p[..., 1, 1]) / scale, p[..., 0, 1] / scale]) for p in (flux, exact)
     )
-    return measured, expected
+    return measured, expected, judged_start(counts[0], fermi_dirac(name, density, u), SIZE**2)
 
 
 def _against(label: str, values: Floats, expected: float) -> Judgement:
@@ -67,7 +71,8 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     angles = np.radians([0.0, 15.0, 30.0, 45.0])
     judgements, differences, theory = [], [], []
     for angle in angles.tolist():
-        (normal, shear), expected = _flow(laboratory, state, angle)
+        (normal, shear), expected, started = _flow(laboratory, state, angle)
+        judgements.append(started)
         direction = f"at {math.degrees(angle):.0f} deg"
         differences.append(_against(f"P_xx - P_yy {direction}, over rho u^2", normal, float(expected[0])))
         theory.append(float(expected[0]))
