@@ -27,7 +27,7 @@ FLOORS = (
         "crosscheck.pairs",
     ),
     ("crosscheck.scene",),
-    ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence"),
+    ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence", "crosscheck.pairs"),
     ("crosscheck.references",),
     ("crosscheck.engines",),
     ("crosscheck.checks",),

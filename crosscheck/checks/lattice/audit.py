@@ -16,7 +16,8 @@ import numpy as np
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.lattice.gases import FHP, LATTICE, gas_scene
 from crosscheck.checks.lattice.recording import Recorded, lattice_methods, recorded
-from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.capabilities import Needs, refusal
+from crosscheck.engines.registry import engine_class
 from crosscheck.errors import Unsupported
 from crosscheck.faults import Fault
 from crosscheck.pairs import Pair, Row, covering, pairs_of
@@ -24,7 +25,7 @@ from crosscheck.references import EPSILON
 from crosscheck.references.lattice_audit import coins, mean_step, numbers, pushes
 from crosscheck.references.lattice_models import MODELS, VELOCITIES, entropy_density, fermi_dirac
 from crosscheck.references.lattice_starts import deviation_from_equilibrium, fields
-from crosscheck.scene import LatticeGas, Obstacle, Occupations, Output, Scene, Wave
+from crosscheck.scene import LatticeGas, Method, Obstacle, Occupations, Output, Scene, Wave
 from crosscheck.verdict import LEAST_SAMPLES, Judged, Judgement, round_off, statistical, worst
 
 #: Each feature and its levels; the first one is its absence, or the plainest.
@@ -39,10 +40,10 @@ FACTORS = {
     "rows": ("few", "least", "more"),
     "blocks": ("whole", "columns", "rows", "both"),
     "start": ("density", "channels", "values of rows", "oblique waves", "cells"),
-    "scheme": ("first", "second", "third", "fourth"),
+    "scheme": ("first", "second", "third", "fourth", "first by threads"),
     "reversals": ("no", "yes"),
 }  # fmt: skip
-STEPS, CHUNKS = 3, 4
+STEPS, CHUNKS, THREADS = 3, 4, (2, 3, 7)
 #: Rows of the square lattice, and of the triangular one.
 _ROWS = {"few": (3, 4), "least": (1, 2), "more": (4, 6)}
 #: Walls that draw no random numbers.
@@ -265,13 +266,22 @@ def _blocks_error(laboratory: Laboratory, found: Recorded, row: Row) -> float:
     return float((np.abs(counted - expected.transpose(0, 2, 1, 3)) / (share * np.maximum(expected, 1).max())).max())
 
 
+def _methods(engine: str, scene: Scene, row: Row, number: int) -> Iterable[Method]:
+    """The scheme that the row names, by 2, 3 or 7 threads in turn if the engine takes them; and then the others."""
+    methods = lattice_methods(engine)
+    wanted = FACTORS["scheme"].index(row["scheme"]) % (len(FACTORS["scheme"]) - 1)
+    if row["scheme"] == "first by threads":
+        several = Method(scheme=methods[0].scheme, threads=THREADS[number % len(THREADS)])
+        if refusal(engine_class(engine), scene, several) is None:
+            yield several
+    for turn in range(len(methods)):
+        yield methods[(wanted + turn) % len(methods)]
+
+
 def _audited(laboratory: Laboratory, row: Row, number: int) -> _Found | None:
     """What is found with the scheme that the row names, or else with the next one that can run it; None: with none."""
     scene = _scene(row, laboratory.seed(str(number)))
-    methods = lattice_methods(laboratory.engine)
-    wanted = FACTORS["scheme"].index(row["scheme"])
-    for turn in range(len(methods)):
-        method = methods[(wanted + turn) % len(methods)]
+    for method in _methods(laboratory.engine, scene, row, number):
         try:
             found = recorded(laboratory, scene, method)
             blocks = _blocks_error(laboratory, found, row)

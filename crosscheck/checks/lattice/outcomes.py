@@ -6,12 +6,12 @@ either of two channels, by some ten thousand each.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Callable, Iterable
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, Tier, Variant
+from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.lattice.gases import FHP, LATTICE, filled, gas_scene
 from crosscheck.checks.lattice.recording import Recorded, lattice_methods, recorded
 from crosscheck.engines.capabilities import Needs
@@ -30,16 +30,22 @@ DENSITY = 0.35
 FORCE = -0.37
 
 
+_Kind = Literal["free", "driven", "wide"]
+
+
 class _Case(NamedTuple):
-    """A model; with diffusive walls and a force or without; the place of the scheme among the engine's."""
+    """A model; what moves beside collisions; the place of the scheme among the engine's.
+
+    driven: with diffusive walls and a force; wide: with a force alone, on two rows that are longer than 64 words.
+    """
 
     model: str
-    driven: bool
+    kind: _Kind
     scheme: int
 
 
 def _judge(laboratory: Laboratory, case: _Case) -> Judged:
-    scene = _driven_scene(case.model, laboratory.seed()) if case.driven else _free_scene(case.model, laboratory.seed())
+    scene = _SCENES[case.kind](case.model, laboratory.seed())
     found = _recorded(laboratory, scene.changed(seed=laboratory.seed("one")), case.scheme)
     again = recorded(laboratory, scene.changed(seed=laboratory.seed("other")), found.method)
     first = found.forbidden
@@ -52,10 +58,11 @@ def _judge(laboratory: Laboratory, case: _Case) -> Judged:
             note=first.first,
         )
     ]
-    if case.driven:
+    if case.kind != "free":
         judgements += _of_collisions_with_force(found)
         judgements += _of("particles that the force can turn", *_pushed(found, again), draws_of(abs(FORCE)))
-        judgements += _of("particles that diffusive walls send either way", *_tossed(found, again), draws_of(0.5))
+        if case.kind == "driven":
+            judgements += _of("particles that diffusive walls send either way", *_tossed(found, again), draws_of(0.5))
     else:
         judgements += _of("outcomes of collisions", found.motion, again.motion, outcomes(case.model, "", None))
     rows, columns = found.walls.shape
@@ -90,6 +97,13 @@ def _driven_scene(model: str, seed: int) -> Scene:
     return gas_scene(
         "driven", model, 64, 64, 8, filled(DENSITY, seed), Output(), obstacles=(*walls, *posts), force=FORCE
     )
+
+
+def _wide_scene(model: str, seed: int) -> Scene:
+    return gas_scene("wide", model, 2, 4200, 6, filled(DENSITY, seed), Output(), force=FORCE)
+
+
+_SCENES: dict[str, Callable[[str, int], Scene]] = {"free": _free_scene, "driven": _driven_scene, "wide": _wide_scene}
 
 
 def _pushed(found: Recorded, again: Recorded) -> tuple[Motion, Motion]:
@@ -139,15 +153,17 @@ def _of(label: str, one: Motion, other: Motion, probabilities: Floats) -> Iterab
 
 
 def _variants() -> Iterable[Variant]:
-    for model, scheme in _SCHEMES.items():
-        for number in range(3):
-            tier: Tier = "quick" if number == scheme else "full"
-            yield Variant(f"{model}-{number + 1}", _Case(model, False, number), tier)
     for number in range(3):
-        yield Variant(f"fhp1-driven-{number + 1}", _Case("fhp1", True, number), "quick" if number == 2 else "full")
+        for model, scheme in _SCHEMES.items():
+            yield Variant(
+                f"{model}-{number + 1}", _Case(model, "free", number), "quick" if number == scheme else "full"
+            )
+        kinds: tuple[_Kind, ...] = ("driven", "wide")
+        for kind in kinds:
+            yield Variant(f"fhp1-{kind}-{number + 1}", _Case("fhp1", kind, number), "quick" if number == 2 else "full")
     for model in MODELS:
         if model != "fhp1":
-            yield Variant(f"{model}-driven-1", _Case(model, True, 0), "full")
+            yield Variant(f"{model}-driven-1", _Case(model, "driven", 0), "full")
 
 
 CHECKS = (
@@ -178,6 +194,16 @@ CHECKS = (
                     "            fresh = sum(self._bits(COLLISION, draw + j).astype(np.int64)",
                     "            fresh = sum(0 * self._bits(COLLISION, draw + j).astype(np.int64)",
                     "all head-on pairs turn the same way",
+                ),
+            ),
+            (
+                "fhp1-wide-3",
+                Fault(
+                    "words-of-two-draws",
+                    "lattice/randomness.py",
+                    "ROW = 1 << 32",
+                    "ROW = 1 << 5",
+                    "the second draw of a row takes the words of the first one from column 2048 on",
                 ),
             ),
             (

@@ -124,9 +124,16 @@ class RefimplEngine:
         capability(
             "lattice_gas",
             "lattice",
+            words=f"{_GASES} lattice_gas.reversals method.threads",
+            observables="populations force_impulse sites",
+            schemes=("lattice_planes",),
+        ),
+        capability(
+            "lattice_gas",
+            "lattice",
             words=f"{_GASES} lattice_gas.reversals",
             observables="populations force_impulse sites",
-            schemes=tuple(name for name in EVOLVERS if name != BOLTZMANN),
+            schemes=("lattice_lookup", "lattice_numpy"),
         ),
         capability("lattice_gas", "lattice", words=_GASES, observables="populations h_function", schemes=(BOLTZMANN,)),
     )
@@ -167,7 +174,7 @@ class RefimplEngine:
         if scene.lattice_gas is not None:
             from crosscheck.engines.refimpl.lattice import run_lattice
 
-            return run_lattice(scene, method.scheme, EVOLVERS[method.scheme], ends)
+            return run_lattice(scene, method, EVOLVERS[method.scheme], ends)
         if scene.hard_spheres is not None and method.contact is not None:
             from crosscheck.engines.refimpl.grains import run_grains
 

@@ -12,7 +12,7 @@ from crosscheck.engines.progress import Pace, stage
 from crosscheck.engines.protocol import Cost, Run, shapes, timed
 from crosscheck.engines.refimpl.continuation import Continuation
 from crosscheck.engines.workers.cache import one_at_a_time
-from crosscheck.scene import Floats, Occupations, Scene
+from crosscheck.scene import Floats, Method, Occupations, Scene
 from crosscheck.scene.lattice_gas import gas_model
 
 BOLTZMANN = "lattice_boltzmann"
@@ -26,19 +26,19 @@ def unsupported(scene: Scene, scheme: str) -> str | None:
     return None
 
 
-def run_lattice(scene: Scene, scheme: str, evolver: str, ends: Continuation | None = None) -> Run:
+def run_lattice(scene: Scene, method: Method, evolver: str, ends: Continuation | None = None) -> Run:
     """Runs a lattice gas.
 
-    scene: a scene of a lattice gas. scheme: name of the scheme. evolver: "module.Class" in `refimpl.lattice` that moves
+    scene: a scene of a lattice gas. method: scheme and threads. evolver: "module.Class" in `refimpl.lattice` that moves
     it. ends: from where the run goes on, and what it leaves; None: nothing of it.
     """
     module, name = evolver.split(".")
     kind = getattr(import_module(f"refimpl.lattice.{module}"), name)
-    gas = _initial_gas(scene, scheme, kind, ends)
+    gas = _initial_gas(scene, method, kind, ends)
     cost = Cost()
     started = time.perf_counter()
     stage("compiling kernels")
-    with one_at_a_time(f"{scheme} {_kernel_features(scene)}"):
+    with one_at_a_time(f"{method.scheme} {_kernel_features(scene)}"):
         gas.advance(0)  # compiles, or loads from the cache
         _observed(scene, gas, set(scene.output.observables))
     cost.compile = time.perf_counter() - started
@@ -72,7 +72,7 @@ def _state(gas: Any) -> dict[str, Any]:
     return {"time": gas.time, "f": gas.f} if hasattr(gas, "f") else {"time": gas.time, "sites": gas.sites}
 
 
-def _initial_gas(scene: Scene, scheme: str, kind: Any, ends: Continuation | None) -> Any:
+def _initial_gas(scene: Scene, method: Method, kind: Any, ends: Continuation | None) -> Any:
     """The gas, an instance of the class `kind`, in the state in which the run starts."""
     from refimpl.lattice.gas import Forcing
 
@@ -84,7 +84,7 @@ def _initial_gas(scene: Scene, scheme: str, kind: Any, ends: Continuation | None
         channel = 0 if gas.force >= 0 else model.velocities.image(-1, 1)[0]
         forcing = Forcing(channel, abs(gas.force))
     walls = scene.wall_rules()
-    if scheme == BOLTZMANN:
+    if method.scheme == BOLTZMANN:
         found = kind(model, scene.initial_occupations(), walls=walls, forcing=forcing)
         if ends is not None:
             found.time, found.f = ends.restored(_state(found)).values()
@@ -93,7 +93,8 @@ def _initial_gas(scene: Scene, scheme: str, kind: Any, ends: Continuation | None
     time, sites = 0, scene.initial_sites()
     if ends is not None:
         time, sites = ends.restored({"time": time, "sites": sites}).values()
-    found = kind(model, sites, seed=seed, walls=walls, forcing=forcing)
+    more = {} if method.threads is None else {"threads": method.threads}
+    found = kind(model, sites, seed=seed, walls=walls, forcing=forcing, **more)
     found.time = time
     return found
 
