@@ -171,8 +171,8 @@ def _second_halving(angles: list[Mean]) -> Judgement:
         error,
         expected,
         0.0,
-        f"standard errors of {STRETCHES} stretches of three runs; the straight line through t_c and t_c/2, as the share "
-        "of contacts that the TC model lets pass is of first order",
+        f"standard errors of {STRETCHES} stretches of three runs; the straight line through t_c and t_c/2, as the "
+        "share of contacts that the TC model lets pass is of first order",
         samples=angles,
         needed=0.12,
         note=", ".join(f"{one.value:.2f} +- {one.error:.2f}" for one in angles),
