@@ -26,7 +26,7 @@ from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Frame, Series
 from crosscheck.references.conduction import beyond_enskog, enskog_conductivity, fourier_profile
-from crosscheck.references.hard_spheres import collision_rate, compressibility, packing_fraction
+from crosscheck.references.hard_spheres import collision_rate, compressibility, number_correction, packing_fraction
 from crosscheck.references.speeds import maxwell_mean_speed
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Lattice, Output, Scene
 from crosscheck.statistics import mean_of_stretches
@@ -107,7 +107,7 @@ def _judge_heat(laboratory: Laboratory, dimension: Literal[2, 3]) -> Judged:
         steady_mean(
             pressure @ lever / pressure.mean(), "change of the pressure from wall to wall, over the pressure", 0.0, 0.02
         ),
-        _pressure(found, step, dimension),
+        _pressure(found, step, dimension, scene.number),
         _conductivity(found, lengths, dimension),
         bounded(
             "rise of T from one cell to the next towards the cold wall, largest",
@@ -137,7 +137,7 @@ def _inner(found: _Profiles) -> tuple[range, list[tuple[float, float]]]:
     return inner, [(0.5 * (density[i] + density[i + 1]), 0.5 * (hot[i] + hot[i + 1])) for i in inner]
 
 
-def _pressure(found: _Profiles, step: float, dimension: int) -> Judgement:
+def _pressure(found: _Profiles, step: float, dimension: int, number: int) -> Judgement:
     """The momentum flux between cells over n T Z of what the cells hold: n and T, which the flux is compared with."""
     inner, states = _inner(found)
     z = [compressibility(packing_fraction(n, dimension), dimension) for n, _ in states]
@@ -150,14 +150,19 @@ def _pressure(found: _Profiles, step: float, dimension: int) -> Judgement:
     paths = [maxwell_mean_speed(dimension) / collision_rate(packing_fraction(n, dimension), dimension).value
              for n, _ in states]  # fmt: skip
     second = max((path * slope / t) ** 2 for path, slope, (_, t) in zip(paths, slopes, states, strict=True))
-    doubt = max(one.doubt / one.value for one in z) + second
+    few = max(
+        number_correction(packing_fraction(n, dimension), number, dimension) / one.value
+        for (n, _), one in zip(states, z, strict=True)
+    )
+    doubt = max(one.doubt / one.value for one in z) + second + few
     return statistical(
         "pressure between cells over n T Z of their density and temperature",
         ratio.value,
         ratio.error,
         1.0,
         0.0,
-        f"{STEADY}; off by the equation of state and the square of the gradient over a free path, {second:.1g}",
+        f"{STEADY}; off by the equation of state, the square of the gradient over a free path, {second:.1g}, and the "
+        f"fixed number of particles, {few:.1g}",
         samples=ratio,
         doubt=float(doubt),
         needed=0.02,

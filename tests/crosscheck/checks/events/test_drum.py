@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.checks.events.drum import fall_angles, surface_angle
+from crosscheck.checks.events.drum import _mean_angle, _second_halving, fall_angles, surface_angle
+from crosscheck.statistics import Mean
 
 
 @given(angle=st.floats(-60, 60), seed=st.integers(0, 1000))
@@ -32,3 +33,17 @@ def test_fall_angle_is_that_of_the_centre_of_mass(angle: float, radius: float) -
     centre = np.array([10 + radius * math.sin(turn), 10 - radius * math.cos(turn)])
     offsets = np.array([[-1.0, 2.0], [1.0, -2.0]])
     assert fall_angles([centre + offsets], [10.0, 10.0]) == pytest.approx([angle], abs=1e-6)
+
+
+def test_the_second_halving_of_t_c_continues_the_straight_line() -> None:
+    """Centres of mass that swing about angles on a line pass; a bend by more than their scatter does not."""
+    rng, middle = np.random.default_rng(1), np.full(2, 10.0)
+
+    def mean(angle: float) -> Mean:
+        turn = np.radians(angle + rng.normal(0, 2.0, (570, 1)))
+        return _mean_angle(middle + 4.4 * np.stack([np.sin(turn), -np.cos(turn)], axis=-1), middle)
+
+    straight, bent = (_second_halving([mean(angle) for angle in angles]) for angles in ((29, 31, 32), (29, 31, 35)))
+    assert (straight.outcome, bent.outcome) == ("pass", "fail")
+    assert straight.expected == pytest.approx(32, abs=0.5)
+    assert bent.measured == pytest.approx(35, abs=0.5)
