@@ -19,8 +19,10 @@ from crosscheck.mutation.judge import Judge
 
 #: Compiled cases that one mutant is shown to, by tier: each compiles its kernels anew.
 MOST_COMPILED = {"quick": 8, "full": 30}
-#: A case that takes so many times as long as usual, and so many seconds more, hangs; compiled ones compile first.
-_TIMES_AS_LONG, _SECONDS_MORE, _SECONDS_TO_COMPILE = 10.0, 5.0, 120.0
+#: A case that takes so many times as long as usual, and so many seconds more, hangs.
+_TIMES_AS_LONG, _SECONDS_MORE = 10.0, 5.0
+#: What compiled cases get for their compilation, and the first one of an engine for the start of its process.
+_SECONDS_TO_COMPILE, _SECONDS_TO_START = 120.0, 60.0
 _PREFIX = "crosscheck-mutant-"
 
 
@@ -45,17 +47,20 @@ def try_mutant(mutant: Mutant, executed: Sequence[Executed], seed: int, most_com
     """The outcome for one mutant; None if the suite was asked to end meanwhile.
 
     A verdict "fail" or "error" catches it: so does a crash, and a case that takes more than ten times as long as usual
-    and 5 s (compiled ones: 120 s more). "inconclusive" and "skip" do not. executed: of all cases that are green for the
+    and 5 s (compiled ones: 120 s more; the first one of an engine, whose process starts: 60 s more). "inconclusive" and "skip" do not. executed: of all cases that are green for the
     unchanged sources. seed: of the suite. most_compiled: the number of compiled cases that it is shown to at most.
     """
     cases, left = to_be_judged(mutant, executed, most_compiled)
-    seconds = 0.0
+    seconds, started = 0.0, set[tuple[str, bool]]()
     with (
         overlay(mutant) as directory,
         Judge(directory, directory / "caches" if mutant.package == "refimpl" else None) as judge,
     ):
         for number, one in enumerate(cases, 1):
             limit = _TIMES_AS_LONG * one.seconds + _SECONDS_MORE + (0.0 if one.interpreted else _SECONDS_TO_COMPILE)
+            process = (one.case.engine, one.interpreted)
+            limit += 0.0 if process in started else _SECONDS_TO_START
+            started.add(process)
             answer = judge.judge(one.case, seed, limit)
             if ending():
                 return None

@@ -93,8 +93,9 @@ def test_only_what_makes_a_run_red_catches_a_mutant(fake: type[_Fake], outcome: 
 
 
 def test_a_time_limit_is_many_times_what_is_usual(fake: type[_Fake]) -> None:
-    try_mutant(mutant(), [case("a/b/c", 2.0), case("a/b/d", 3.0, False)], 0, 5)
-    assert fake.asked == [("a/b/c", 25.0), ("a/b/d", 155.0)]
+    cases = [case("a/b/c", 2.0), case("a/b/d", 3.0), case("a/c/e", 4.0, False), case("a/d/f", 5.0, False)]
+    try_mutant(mutant(), cases, 0, 5)
+    assert fake.asked == [("a/b/c", 85.0), ("a/b/d", 35.0), ("a/c/e", 225.0), ("a/d/f", 175.0)]
 
 
 def test_a_constant_of_the_module_is_executed_by_who_uses_its_name() -> None:
