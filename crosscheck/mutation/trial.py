@@ -47,8 +47,9 @@ def try_mutant(mutant: Mutant, executed: Sequence[Executed], seed: int, most_com
     """The outcome for one mutant; None if the suite was asked to end meanwhile.
 
     A verdict "fail" or "error" catches it: so does a crash, and a case that takes more than ten times as long as usual
-    and 5 s (compiled ones: 120 s more; the first one of an engine, whose process starts: 60 s more). "inconclusive" and "skip" do not. executed: of all cases that are green for the
-    unchanged sources. seed: of the suite. most_compiled: the number of compiled cases that it is shown to at most.
+    and 5 s. Compiled ones may take 120 s more; the first one of an engine, whose process starts, 60 s more.
+    "inconclusive" and "skip" catch nothing. executed: of all cases that are green for the unchanged sources. seed: of
+    the suite. most_compiled: the number of compiled cases that it is shown to at most.
     """
     cases, left = to_be_judged(mutant, executed, most_compiled)
     seconds, started = 0.0, set[tuple[str, bool]]()
