@@ -76,7 +76,8 @@ def mutate(sample: Sample, jobs: int | None, out: Path, resume: Path | None) -> 
         try:
             jobs = that_pay(jobs, len(mutants))
             executed = _green(executed_lines(cases, _SUITE_SEED, jobs, _say))
-            for number, outcome in _tried(mutants, executed, outcomes, jobs):
+            most = trial.MOST_COMPILED[sample.tier]
+            for number, outcome in _tried(mutants, executed, outcomes, jobs, most):
                 outcomes[number] = outcome
                 _append(directory / MUTANTS, number, mutants[number], outcome)
                 _say(_line(len(outcomes), len(mutants), mutants[number], outcome))
@@ -111,12 +112,12 @@ def _green(executed: Sequence[Executed]) -> list[Executed]:
 
 
 def _tried(
-    mutants: Sequence[Mutant], executed: Sequence[Executed], known: dict[int, Outcome], jobs: int
+    mutants: Sequence[Mutant], executed: Sequence[Executed], known: dict[int, Outcome], jobs: int, most_compiled: int
 ) -> Iterator[tuple[int, Outcome]]:
     """The number and the outcome of each mutant that has none yet, as they are finished."""
     with ThreadPoolExecutor(jobs) as pool:
         left: dict[Future[Outcome | None], int] = {
-            pool.submit(try_mutant, mutant, executed, _SUITE_SEED): number
+            pool.submit(try_mutant, mutant, executed, _SUITE_SEED, most_compiled): number
             for number, mutant in enumerate(mutants)
             if number not in known
         }

@@ -60,7 +60,10 @@ class Judged:
 
 
 def judged(mutant: Mutant, outcome: Outcome, entries: Sequence[Equivalent]) -> Judged:
-    """The mutant with its outcome, and the reason of the entry that says why it is equivalent, if there is one."""
+    """The mutant with its outcome, and the reason of the first of the entries that matches it.
+
+    mutant, outcome: see `Judged`. entries: of the list of equivalent mutations.
+    """
     return Judged(mutant, outcome, next((one.reason for one in entries if one.matches(mutant)), ""))
 
 
@@ -77,12 +80,12 @@ def counted_by(found: Sequence[Judged], key: Callable[[Mutant], str]) -> dict[st
 
 
 def by_file(mutant: Mutant) -> str:
-    """The key for a table by file."""
+    """The key for a table by file: that of the mutant."""
     return f"{mutant.package}/{mutant.file}"
 
 
 def by_operator(mutant: Mutant) -> str:
-    """The key for a table by operator."""
+    """The key for a table by operator: that of the mutant."""
     return mutant.mutation.operator
 
 

@@ -17,10 +17,12 @@ from crosscheck.mutation.coverage import Executed
 from crosscheck.mutation.draw import Mutant
 from crosscheck.mutation.judge import Judge
 
-#: Compiled cases that one mutant is shown to: each compiles its kernels anew.
-MOST_COMPILED = 5
-#: A case that takes so many times as long as usual, and so many seconds more, hangs; compiled ones compile first.
-_TIMES_AS_LONG, _SECONDS_MORE, _SECONDS_TO_COMPILE = 10.0, 5.0, 120.0
+#: Compiled cases that one mutant is shown to, by tier: each compiles its kernels anew.
+MOST_COMPILED = {"quick": 8, "full": 30}
+#: A case that takes so many times as long as usual, and so many seconds more, hangs.
+_TIMES_AS_LONG, _SECONDS_MORE = 10.0, 5.0
+#: What compiled cases get for their compilation, and the first one of an engine for the start of its process.
+_SECONDS_TO_COMPILE, _SECONDS_TO_START = 120.0, 60.0
 _PREFIX = "crosscheck-mutant-"
 
 
@@ -41,21 +43,25 @@ class Outcome:
     seconds: float
 
 
-def try_mutant(mutant: Mutant, executed: Sequence[Executed], seed: int) -> Outcome | None:
+def try_mutant(mutant: Mutant, executed: Sequence[Executed], seed: int, most_compiled: int) -> Outcome | None:
     """The outcome for one mutant; None if the suite was asked to end meanwhile.
 
     A verdict "fail" or "error" catches it: so does a crash, and a case that takes more than ten times as long as usual
-    and 5 s (compiled ones: 120 s more). "inconclusive" and "skip" do not. executed: of all cases that are green for the
-    unchanged sources. seed: of the suite.
+    and 5 s. Compiled ones may take 120 s more; the first one of an engine, whose process starts, 60 s more.
+    "inconclusive" and "skip" catch nothing. executed: of all cases that are green for the unchanged sources. seed: of
+    the suite. most_compiled: the number of compiled cases that it is shown to at most.
     """
-    cases, left = to_be_judged(mutant, executed)
-    seconds = 0.0
+    cases, left = to_be_judged(mutant, executed, most_compiled)
+    seconds, started = 0.0, set[tuple[str, bool]]()
     with (
         overlay(mutant) as directory,
         Judge(directory, directory / "caches" if mutant.package == "refimpl" else None) as judge,
     ):
         for number, one in enumerate(cases, 1):
             limit = _TIMES_AS_LONG * one.seconds + _SECONDS_MORE + (0.0 if one.interpreted else _SECONDS_TO_COMPILE)
+            process = (one.case.engine, one.interpreted)
+            limit += 0.0 if process in started else _SECONDS_TO_START
+            started.add(process)
             answer = judge.judge(one.case, seed, limit)
             if ending():
                 return None
@@ -65,16 +71,16 @@ def try_mutant(mutant: Mutant, executed: Sequence[Executed], seed: int) -> Outco
     return Outcome(False, "", "", len(cases), left, seconds)
 
 
-def to_be_judged(mutant: Mutant, executed: Sequence[Executed]) -> tuple[list[Executed], int]:
+def to_be_judged(mutant: Mutant, executed: Sequence[Executed], most_compiled: int) -> tuple[list[Executed], int]:
     """The cases that a mutant is shown to, in this order, and the number of compiled ones that are left out.
 
     All interpreted ones that execute it, and some compiled ones: at first the cheapest of each check. executed: of all
-    cases.
+    cases. most_compiled: how many compiled ones at most.
     """
     found = [one for one in executed if _executes(mutant, one)]
     interpreted = sorted((one for one in found if one.interpreted), key=lambda one: one.seconds)
     compiled = _by_turns(sorted((one for one in found if not one.interpreted), key=lambda one: one.seconds))
-    return interpreted + compiled[:MOST_COMPILED], max(0, len(compiled) - MOST_COMPILED)
+    return interpreted + compiled[:most_compiled], max(0, len(compiled) - most_compiled)
 
 
 def _by_turns(cases: list[Executed]) -> list[Executed]:

@@ -23,7 +23,7 @@ def tried(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of the mutants that are judged; every second one is caught. No process is started."""
     names: list[str] = []
 
-    def judged(mutant: Mutant, executed: Sequence[Executed], seed: int) -> Outcome:
+    def judged(mutant: Mutant, executed: Sequence[Executed], seed: int, most_compiled: int) -> Outcome:
         names.append(mutant.name)
         caught = len(mutant.after) % 2 == 0
         return Outcome(caught, "events/haff/2d [refimpl]" if caught else "", "red" if caught else "", 1, 0, 0.5)

@@ -13,7 +13,7 @@ from crosscheck.mutation.coverage import Executed
 from crosscheck.mutation.draw import Mutant, draw, population
 from crosscheck.mutation.judge import Answer
 from crosscheck.mutation.operators import Mutation
-from crosscheck.mutation.trial import MOST_COMPILED, overlay, remove_leftovers, to_be_judged, try_mutant
+from crosscheck.mutation.trial import overlay, remove_leftovers, to_be_judged, try_mutant
 from crosscheck.runner import Case
 
 FILE = "refimpl/events/rules.py"
@@ -65,7 +65,7 @@ def test_the_cheapest_interpreted_cases_come_first_then_some_compiled_ones_of_ea
         case(f"c/fast/{k}", 1.0 + k, False) for k in range(4)
     ]
     plain = [case("a/b/c", 9.0), case("a/b/d", 2.0), case("a/b/e", 1.0, lines=(5,))]
-    found, left = to_be_judged(mutant(), [*compiled, *plain])
+    found, left = to_be_judged(mutant(), [*compiled, *plain], 5)
     assert [one.case.name for one in found] == [
         "a/b/d",
         "a/b/c",
@@ -75,7 +75,7 @@ def test_the_cheapest_interpreted_cases_come_first_then_some_compiled_ones_of_ea
         "c/slow/1",
         "c/fast/2",
     ]
-    assert len(found) == 2 + MOST_COMPILED
+    assert len(found) == 2 + 5
     assert left == 3
 
 
@@ -85,7 +85,7 @@ def test_the_cheapest_interpreted_cases_come_first_then_some_compiled_ones_of_ea
 )
 def test_only_what_makes_a_run_red_catches_a_mutant(fake: type[_Fake], outcome: str, caught: bool) -> None:
     fake.outcomes = {"a/b/c": outcome}
-    found = try_mutant(mutant(), [case("a/b/c", 1.0), case("a/b/d", 2.0)], 0)
+    found = try_mutant(mutant(), [case("a/b/c", 1.0), case("a/b/d", 2.0)], 0, 5)
     assert found is not None
     assert found.caught == caught
     assert found.judged == (1 if caught else 2)
@@ -93,8 +93,9 @@ def test_only_what_makes_a_run_red_catches_a_mutant(fake: type[_Fake], outcome: 
 
 
 def test_a_time_limit_is_many_times_what_is_usual(fake: type[_Fake]) -> None:
-    try_mutant(mutant(), [case("a/b/c", 2.0), case("a/b/d", 3.0, False)], 0)
-    assert fake.asked == [("a/b/c", 25.0), ("a/b/d", 155.0)]
+    cases = [case("a/b/c", 2.0), case("a/b/d", 3.0), case("a/c/e", 4.0, False), case("a/d/f", 5.0, False)]
+    try_mutant(mutant(), cases, 0, 5)
+    assert fake.asked == [("a/b/c", 85.0), ("a/b/d", 35.0), ("a/c/e", 225.0), ("a/d/f", 175.0)]
 
 
 def test_a_constant_of_the_module_is_executed_by_who_uses_its_name() -> None:
@@ -106,8 +107,8 @@ def test_a_constant_of_the_module_is_executed_by_who_uses_its_name() -> None:
         if "_S11)" in line
     )
     user, other = case("a/b/c", 1.0, lines=(number,)), case("a/b/d", 1.0, lines=(number + 1,))
-    assert to_be_judged(mutant(("_S11",)), [user, other])[0] == [user]
-    assert to_be_judged(mutant(("no_such_name",)), [user, other])[0] == [user, other]
+    assert to_be_judged(mutant(("_S11",)), [user, other], 5)[0] == [user]
+    assert to_be_judged(mutant(("no_such_name",)), [user, other], 5)[0] == [user, other]
 
 
 def test_a_mutant_is_a_copy_that_is_removed() -> None:
