@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from crosscheck.checks.base import Check, Laboratory, quick
-from crosscheck.checks.events.audit_rows import EVENTS, FACTORS, row_scene, rows
+from crosscheck.checks.events.audit_rows import EVENTS, FACTORS, row_scene, rows, valid
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.engines.capabilities import measured, refusal
 from crosscheck.engines.registry import engine_class
@@ -33,22 +33,21 @@ class _Chunk(NamedTuple):
 def _judge(laboratory: Laboratory, chunk: _Chunk) -> Judged:
     """The largest deviation of each kind in all rows of a chunk."""
     table, _ = rows()
-    total, refused, judged = Audit(), [], 0
+    total, judged = Audit(), 0
+    seen: list[Row] = []
     for number in range(chunk.first, len(table), CHUNKS):
-        scene, method = _measured(laboratory, table[number], row_scene(table[number], number))
-        reason = refusal(engine_class(laboratory.engine), scene, method)
-        if reason is not None:
-            refused.append(reason)
+        row = _able(laboratory, table[number], number)
+        if row in seen:
             continue
+        seen.append(row)
+        scene, method = _measured(laboratory, row, row_scene(row, number))
         scene = _of_good_length(laboratory, scene, method)
         run = laboratory.run(scene, method, may_end_early=scene.output.collisions is not None)
         found = audit(scene, run)
         judged += 1
         total.events += found.events
         for kind, share in found.shares.items():
-            total.note(kind, share, 1.0, f"row {number}: {found.where.get(kind, '')} ({features(table[number])})")
-    if not judged:
-        raise Unsupported(f"{laboratory.engine}: none of the rows: {refused[0]}")
+            total.note(kind, share, 1.0, f"row {number}: {found.where.get(kind, '')} ({features(row)})")
     known = {kind: total.shares[kind] for kind in KINDS}
     judgements = [
         round_off(f"{kind}: largest error, in its rounding", share, 1.0, KINDS[kind], note=total.where.get(kind, ""))
@@ -61,8 +60,30 @@ def _judge(laboratory: Laboratory, chunk: _Chunk) -> Judged:
         judgements.append(round_off("samples, sums and fields: largest error", sums[kind], 1.0, _OF_SUMS, note=note))
     few = float(total.events < judged)
     judgements.append(bounded("runs without events", few, 0.0, "what has no events judges nothing", control=True))
-    skipped = f"; {len(refused)} rows that the engine does not declare" if refused else ""
-    return worst(judgements, f"{judged} rows, {total.events} events{skipped}")
+    return worst(judgements, f"{judged} rows, {total.events} events")
+
+
+def _able(laboratory: Laboratory, row: Row, number: int) -> Row:
+    """The row without those features that the engine does not declare; Unsupported if it can run no such scene."""
+    reason = _refused(laboratory, row, number)
+    if reason is None:
+        return row
+    plain = {name: levels[0] for name, levels in FACTORS.items()} | {"scheme": row["scheme"]}
+    starts = [plain | {"dimension": one} for one in (row["dimension"], *FACTORS["dimension"])]
+    able = next((one for one in starts if _refused(laboratory, one, number) is None), None)
+    if able is None:
+        raise Unsupported(f"{laboratory.engine}: {reason}")
+    for name, level in row.items():
+        more = able | {name: level}
+        if valid(more) and _refused(laboratory, more, number) is None:
+            able = more
+    return able
+
+
+def _refused(laboratory: Laboratory, row: Row, number: int) -> str | None:
+    """None, or why the suite does not give the scene of a row to the engine."""
+    scene, method = _measured(laboratory, row, row_scene(row, number))
+    return refusal(engine_class(laboratory.engine), scene, method)
 
 
 def _of_good_length(laboratory: Laboratory, scene: Scene, method: Method) -> Scene:
