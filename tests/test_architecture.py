@@ -24,6 +24,7 @@ FLOORS = (
         "crosscheck.directory",
         "crosscheck.figure",
         "crosscheck.faults",
+        "crosscheck.pairs",
     ),
     ("crosscheck.scene",),
     ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from crosscheck.checks.base import Check, Laboratory, quick
+from crosscheck.checks.base import Check, Laboratory, full, quick
 from crosscheck.checks.events.audit_rows import EVENTS, FACTORS, row_scene, rows, valid
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.engines.capabilities import measured, refusal
@@ -19,15 +19,18 @@ from crosscheck.verdict import Judged, bounded, round_off, worst
 #: A run begins with one shorter by this factor, whose number of events says how long it should be: so many events, or
 #: so many times as many passages of cells.
 PILOT, CROSSINGS = 12, 5
+#: Events of a row of the full tier, at most.
+MANY_EVENTS = 1500.0
 #: Cases that the rows are divided into.
 CHUNKS = 6
 _OF_SUMS = "rounding of terms times their number: 1e-12 of the sum of their sizes"
 
 
 class _Chunk(NamedTuple):
-    """Every so many rows of the table, from `first` on."""
+    """Every so many rows of the table, from `first` on, each with about so many `events`."""
 
     first: int
+    events: float = EVENTS
 
 
 def _judge(laboratory: Laboratory, chunk: _Chunk) -> Judged:
@@ -37,11 +40,11 @@ def _judge(laboratory: Laboratory, chunk: _Chunk) -> Judged:
     seen: list[Row] = []
     for number in range(chunk.first, len(table), CHUNKS):
         row = _able(laboratory, table[number], number)
-        if row in seen:
+        if row in seen or (chunk.events > EVENTS and not _keeps_moving(row)):
             continue
         seen.append(row)
         scene, method = _measured(laboratory, row, row_scene(row, number))
-        scene = _of_good_length(laboratory, scene, method)
+        scene = _of_good_length(laboratory, scene, method, chunk.events)
         run = laboratory.run(scene, method, may_end_early=scene.output.collisions is not None)
         found = audit(scene, run)
         judged += 1
@@ -80,20 +83,25 @@ def _able(laboratory: Laboratory, row: Row, number: int) -> Row:
     return able
 
 
+def _keeps_moving(row: Row) -> bool:
+    """Whether particles lose nothing to each other and do not settle, so that a long run does not end in a collapse."""
+    return row["restitution"] == "1" and row["friction"] == row["field"] == "none" and row["walls"] != "open"
+
+
 def _refused(laboratory: Laboratory, row: Row, number: int) -> str | None:
     """None, or why the suite does not give the scene of a row to the engine."""
     scene, method = _measured(laboratory, row, row_scene(row, number))
     return refusal(engine_class(laboratory.engine), scene, method)
 
 
-def _of_good_length(laboratory: Laboratory, scene: Scene, method: Method) -> Scene:
-    """The scene, shorter where its beginning shows that it would have many more events than are needed."""
+def _of_good_length(laboratory: Laboratory, scene: Scene, method: Method, wanted: float = EVENTS) -> Scene:
+    """The scene, planned for `EVENTS`, with about as many as are `wanted`: its beginning shows how many it has."""
     pilot = scene.duration / PILOT
     output = Output(trace=True)
     run = laboratory.run(scene.changed(duration=pilot, output=output), method)
     # passages of cells cost time too
     events = max(len(run["event_times"]), run.cost.events / CROSSINGS)
-    share = min(1.0, EVENTS / max(1.0, events * PILOT))
+    share = min(wanted / EVENTS, wanted / max(1.0, events * PILOT))
     sampled = {} if scene.output.interval is None else {"interval": scene.output.interval * share}
     return scene.changed(duration=scene.duration * share, output=scene.output.model_copy(update=sampled))
 
@@ -185,7 +193,10 @@ CHECKS = (
         criterion="each number to its rounding",
         citation="Alder & Wainwright, J. Chem. Phys. 31, 459 (1959); Walton, in: Particulate Two-Phase Flow (1993)",
         judge=_judge,
-        variants=quick(**{f"rows-{first}": _Chunk(first) for first in range(CHUNKS)}),
+        variants=(
+            *quick(**{f"rows-{first}": _Chunk(first) for first in range(CHUNKS)}),
+            *full(**{f"long-rows-{first}": _Chunk(first, MANY_EVENTS) for first in range(CHUNKS)}),
+        ),
         needs=event_driven(
             observables="positions velocities event_times event_partners event_positions event_velocities"
         ),

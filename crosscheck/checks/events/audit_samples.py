@@ -140,17 +140,19 @@ def _variant(name: str, gas: _Gas, words: str = "") -> Variant:
     return Variant(name, gas, "quick", needs)
 
 
+_WALLS = "box.boundaries=hard box.faces box.faces.restitution"
 _VARIANTS = (
     _variant("small-2d", _Gas(2, (2.02, 2.3), 2, 20.0)),
     _variant("small-3d", _Gas(3, (2.02, 2.1, 2.2), 3, 12.0)),
     _variant("gas-2d", _Gas(2, (3.5, 4.0), 6, 6.0)),
     _variant("gas-3d", _Gas(3, (3.0, 3.5, 3.2), 8, 6.0)),
-    _variant("walls", _Gas(3, (3.0, 2.5, 3.0), 6, 6.0, walls=True), "box.boundaries=hard box.faces box.faces.restitution"),
-    _variant("inelastic", _Gas(3, (2.5, 2.6, 2.7), 6, 6.0, spheres=HardSpheres(restitution=0.8)), "hard_spheres.restitution"),
+    _variant("walls", _Gas(3, (3.0, 2.5, 3.0), 6, 6.0, walls=True), _WALLS),
+    _variant("inelastic", _Gas(3, (2.5, 2.6, 2.7), 6, 6.0, spheres=HardSpheres(restitution=0.8)),
+             "hard_spheres.restitution"),
     _variant("unlike", _Gas(3, (2.5, 2.6, 2.7), 6, 8.0, unlike=True), "hard_spheres.diameter[] masses[]"),
-    _variant("well", _Gas(3, (2.2, 2.3, 2.4), 5, 4.0, spheres=HardSpheres(well=Well(depth=0.8, range=1.4))), "hard_spheres.well"),
-    _variant("gravity", _Gas(2, (3.5, 4.0), 6, 5.0, walls=True, acceleration=(-0.5, 0.2)),
-             "acceleration box.boundaries=hard box.faces box.faces.restitution"),
+    _variant("well", _Gas(3, (2.2, 2.3, 2.4), 5, 4.0, spheres=HardSpheres(well=Well(depth=0.8, range=1.4))),
+             "hard_spheres.well"),
+    _variant("gravity", _Gas(2, (3.5, 4.0), 6, 5.0, walls=True, acceleration=(-0.5, 0.2)), f"acceleration {_WALLS}"),
 )  # fmt: skip
 
 CHECKS = (

@@ -18,8 +18,8 @@ class Matter:
 
     dimension: d. lengths: sides of the box, (d,), length; infinite without a box. periods: the same along periodic axes
     and 0 along others. masses: (N,), mass; of fixed particles infinite. inverse: 1/mass, 0 of fixed ones. radii: (N,),
-    length. places: positions at the start, (N, d), length. moments: moments of inertia q m R^2, (N,); infinite of fixed ones. shape: q; of balls and disks unless the
-    scene says otherwise. acceleration: (3,), the third component 0 in the plane. spheres: the table [hard_spheres].
+    length. places: positions at the start, (N, d), length. moments: moments of inertia q m R^2, (N,); infinite of fixed
+    ones. shape: q; of balls and disks unless the scene says otherwise. acceleration: (3,), the third component 0 in the plane. spheres: the table [hard_spheres].
     faces: walls x-, x+, y- ..., None where there is none. cylinder: None without one. across: the two axes across it.
     """
 
@@ -64,7 +64,7 @@ class Matter:
         return 0.0 if self.spheres.well is None else self.spheres.well.depth
 
     def nearest(self, gaps: Floats) -> Floats:
-        """Differences of positions (..., d), length, as those to the nearest image."""
+        """Differences of positions, `gaps` (..., d), length, as those to the nearest image."""
         turns = np.round(gaps / np.where(self.periods > 0, self.periods, 1.0))
         return np.asarray(gaps - np.where(self.periods > 0, self.periods * turns, 0.0))
 
