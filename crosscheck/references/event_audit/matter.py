@@ -19,8 +19,9 @@ class Matter:
     dimension: d. lengths: sides of the box, (d,), length; infinite without a box. periods: the same along periodic axes
     and 0 along others. masses: (N,), mass; of fixed particles infinite. inverse: 1/mass, 0 of fixed ones. radii: (N,),
     length. places: positions at the start, (N, d), length. moments: moments of inertia q m R^2, (N,); infinite of fixed
-    ones. shape: q; of balls and disks unless the scene says otherwise. acceleration: (3,), the third component 0 in the plane. spheres: the table [hard_spheres].
-    faces: walls x-, x+, y- ..., None where there is none. cylinder: None without one. across: the two axes across it.
+    ones. shape: q; of balls and disks unless the scene says otherwise. acceleration: (3,), the third component 0 in the
+    plane. spheres: the table [hard_spheres]. faces: walls x-, x+, y- ..., None where there is none. cylinder: None
+    without one. across: the two axes across it.
     """
 
     dimension: int
