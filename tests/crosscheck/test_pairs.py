@@ -3,7 +3,7 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.pairs import covering, pairs_of
+from crosscheck.pairs import Row, covering, pairs_of
 
 FACTORS = st.dictionaries(
     st.sampled_from("abcdef"), st.lists(st.sampled_from("uvwx"), min_size=1, max_size=4, unique=True), min_size=2
@@ -35,3 +35,26 @@ def test_the_rows_are_few_and_always_the_same() -> None:
     rows, _ = covering(factors)
     assert len(rows) <= 20  # nine at least, for the pairs of two factors
     assert rows == covering(factors)[0]
+
+
+def test_factors_that_need_each_other_start_from_bases() -> None:
+    factors = {
+        "walls": ("none", "hard"),
+        "friction": ("none", "grains"),
+        "rough wall": ("no", "yes"),
+        "side": ("-", "+"),
+    }
+
+    def valid(row: Row) -> bool:
+        rough = row["rough wall"] == "no" or (row["walls"] == "hard" and row["friction"] == "grains")
+        return rough and (row["side"] == "-" or row["walls"] == "hard")
+
+    bases = ({}, {"walls": "hard"}, {"walls": "hard", "friction": "grains"})
+    rows, never = covering(factors, valid, bases=bases)
+    assert all(map(valid, rows))
+    assert (("rough wall", "yes"), ("side", "+")) in set().union(*map(pairs_of, rows))
+    assert never == {
+        (("walls", "none"), ("rough wall", "yes")),
+        (("friction", "none"), ("rough wall", "yes")),
+        (("walls", "none"), ("side", "+")),
+    }

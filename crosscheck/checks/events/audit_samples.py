@@ -53,7 +53,7 @@ def _scene(gas: _Gas) -> Scene:
         hard_spheres=spheres,
         box=Box(
             lengths=tuple(sides.tolist()),
-            boundaries=("hard", *("periodic",) * (gas.dimension - 1)) if gas.walls else None,
+            boundaries=("hard", *("periodic",) * (gas.dimension - 1)) if gas.walls else None,  # type: ignore[arg-type]
             faces=walls if gas.walls else None,
         ),
         acceleration=gas.acceleration,

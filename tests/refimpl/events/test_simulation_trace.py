@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from tests.support.event_scenes import spheres
+from event_scenes import spheres
 
 
 def test_traced_states_are_those_after_each_event() -> None:

@@ -6,12 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from event_scenes import scatter, thermal
+from nearest_image import AllImages, Traced
 
 from crosscheck.engines.protocol import Run, shapes
 from crosscheck.references.event_audit import audit, reconstructed, with_trace
 from crosscheck.scene import Box, HardSpheres, Method, Output, Scene, explicit
-from tests.support.event_scenes import scatter, thermal
-from tests.support.nearest_image import AllImages, Traced
 
 
 @cache
