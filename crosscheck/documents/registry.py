@@ -50,6 +50,7 @@ _ASKED = {
     "always": "always there",
     "trajectory": "`output.trajectory`",
     "forces": "`output.forces`",
+    "trace": "`output.trace`",
     "fields": "`output.fields`",
     "observables": "its name",
 }

@@ -102,7 +102,7 @@ class _Cells:
                 self.add("dissipation", place, -0.5 * (one + other))
                 self.add("collisions", place, 0.5)
         else:
-            was = history_inside_before(history, event)
+            was = _was_inside(event)
             held = -0.5 * self.matter.depth * (float(event.inside) - float(was))
         # half of what both lost, and of what the second gained: what went over
         energy = 0.5 * ((other + held) - (one + held))
@@ -124,8 +124,8 @@ class _Cells:
             self.add("flux_energy", face, sign * energy)
 
 
-def history_inside_before(history: History, event: Event) -> bool:
-    """Whether the pair of an event at the edge of a well was inside: it moved outwards."""
+def _was_inside(event: Event) -> bool:
+    """Whether the pair of `event`, at the edge of a well, was inside: it moved outwards."""
     (_, one), (_, other) = event.before
     return bool((other.velocity - one.velocity) @ event.n > 0)
 
@@ -146,7 +146,10 @@ def _crossings(gap: float, v: float, a: float, span: float) -> list[tuple[float,
 
 
 def audit_fields(scene: Scene, history: History, run: Mapping[str, Floats], found: Audit) -> None:
-    """Notes how far the fields of a run are from those of its trace; parameters as of `audit_tallies`."""
+    """Notes how far the fields of a run are from those of its trace.
+
+    scene, run: as in `audit`. history: of the run, after its last event. found: where deviations are noted.
+    """
     cells = _Cells(scene, history)
     matter, times = history.matter, np.array(history.times)
     bonds = history.bonds()

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crosscheck.references.event_audit.matter import Matter
 from crosscheck.references.event_audit.rules import Motion
@@ -115,7 +114,7 @@ class History:
         return duration is not None and time - self._collided[i] < duration
 
     def inside(self, i: int, j: int) -> bool:
-        """Whether a pair is in its well."""
+        """Whether the pair of particles i and j is in its well."""
         return (min(i, j), max(i, j)) in self._bonds
 
     def append(self, event: Event) -> None:
@@ -179,11 +178,7 @@ def _three(vectors: Floats) -> Floats:
 
 
 def spins3(spins: Floats) -> Floats:
-    """Angular velocities (..., 1) of the plane, about the third axis, or (..., 3), as (..., 3)."""
+    """The angular velocities `spins`, (..., 1) about the third axis of the plane or (..., 3), as (..., 3)."""
     if spins.shape[-1] == 3:
         return np.asarray(spins)
     return np.asarray(np.concatenate([np.zeros((*spins.shape[:-1], 2)), spins], axis=-1))
-
-
-#: Whether pairs are in their wells, (intervals, pairs).
-Inside = NDArray[np.bool_]

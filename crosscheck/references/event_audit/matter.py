@@ -18,9 +18,10 @@ class Matter:
 
     dimension: d. lengths: sides of the box, (d,), length; infinite without a box. periods: the same along periodic axes
     and 0 along others. masses: (N,), mass; of fixed particles infinite. inverse: 1/mass, 0 of fixed ones. radii: (N,),
-    length. moments: moments of inertia q m R^2, (N,); infinite of fixed ones. shape: q; of balls and disks unless the
-    scene says otherwise. acceleration: (3,), the third component 0 in the plane. spheres: the table [hard_spheres].
-    faces: walls x-, x+, y- ..., None where there is none. cylinder: None without one. across: the two axes across it.
+    length. places: positions at the start, (N, d), length. moments: moments of inertia q m R^2, (N,); infinite of fixed
+    ones. shape: q; of balls and disks unless the scene says otherwise. acceleration: (3,), the third component 0 in the
+    plane. spheres: the table [hard_spheres]. faces: walls x-, x+, y- ..., None where there is none. cylinder: None
+    without one. across: the two axes across it.
     """
 
     dimension: int
@@ -29,6 +30,7 @@ class Matter:
     masses: Floats
     inverse: Floats
     radii: Floats
+    places: Floats
     moments: Floats
     shape: float
     acceleration: Floats
@@ -63,7 +65,7 @@ class Matter:
         return 0.0 if self.spheres.well is None else self.spheres.well.depth
 
     def nearest(self, gaps: Floats) -> Floats:
-        """Differences of positions (..., d), length, as those to the nearest image."""
+        """Differences of positions, `gaps` (..., d), length, as those to the nearest image."""
         turns = np.round(gaps / np.where(self.periods > 0, self.periods, 1.0))
         return np.asarray(gaps - np.where(self.periods > 0, self.periods * turns, 0.0))
 
@@ -89,6 +91,7 @@ def matter_of(scene: Scene) -> Matter:
         masses=masses,
         inverse=np.where(fixed, 0.0, 1 / state.masses),
         radii=radii,
+        places=state.positions,
         moments=np.where(fixed, math.inf, shape * state.masses * radii**2),
         shape=shape,
         acceleration=acceleration,

@@ -25,7 +25,8 @@ Height = Callable[[Floats], tuple[Floats, Floats, Floats]]
 def audit_missed(history: History, rounding: float, found: Audit) -> None:
     """Notes the deepest overlaps of pairs and walls between events, and passages of wells without one.
 
-    rounding: error of a distance that is rounding. found: where they are noted.
+    history: of the run, after its last event. rounding: error of a distance that is rounding. found: where they are
+    noted.
     """
     times = _moments(history)
     if times.size < 2:

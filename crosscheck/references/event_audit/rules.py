@@ -1,6 +1,8 @@
 """What a contact does to velocities and spins: the laws of the scene language, for one event.
 
-Vectors have three components; in the plane the third is 0, and of a spin the first two are. At a contact with the
+Vectors have three components; in the plane the third is 0, and of a spin the first two are. Arguments that are the same
+throughout: matter: particles and walls. i, j: numbers of particles. n: unit vector from i to j, or towards the wall.
+speed: the largest one of the run, of whose rounding that of a slip is. At a contact with the
 normal n from i to j, the surfaces slide past each other with the tangential part of
 
     c = (v_i + omega_i x R_i n) - (v_j - omega_j x R_j n),
@@ -29,7 +31,7 @@ UNDECIDED = 1e-10
 
 
 class Motion(NamedTuple):
-    """Velocity (3,), length/time, and spin (3,), 1/time, of one particle."""
+    """State of one particle: its velocity (3,), length/time, and spin (3,), 1/time."""
 
     velocity: Floats
     spin: Floats
@@ -82,8 +84,7 @@ def pair_collision(
 ) -> list[Outcome]:
     """What may follow the collision of i and j.
 
-    n: from i to j, (3,). one, other: their motions before. elastic: the TC model lets it lose nothing. speed: see
-    `tangential_impulses`.
+    matter, n, speed: see the module. one, other: motions of i and j before. elastic: the TC model lets it lose nothing.
     """
     spheres, inverse = matter.spheres, matter.inverse[i] + matter.inverse[j]
     ri, rj = matter.radii[i], matter.radii[j]
@@ -105,7 +106,10 @@ def pair_collision(
 
 
 def pushed(matter: Matter, i: int, motion: Motion, n: Floats, impulse: Floats) -> Motion:
-    """The motion of i after an impulse at the point of its surface in the direction n from its centre."""
+    """The motion of i after an impulse at the point of its surface in the direction n from its centre.
+
+    matter: see the module. motion: before. impulse: (3,), momentum.
+    """
     if matter.fixed[i]:
         return motion
     turn = np.zeros(3)
@@ -117,7 +121,7 @@ def pushed(matter: Matter, i: int, motion: Motion, n: Floats, impulse: Floats) -
 def well_edge(matter: Matter, i: int, j: int, n: Floats, one: Motion, other: Motion, inside: bool) -> list[Outcome]:
     """What may follow when i and j meet the edge of their well: its depth, in the energy of the normal motion.
 
-    inside: whether they are in it. Others: as in `pair_collision`.
+    matter, n: see the module. one, other: motions of i and j before. inside: whether they are in it.
     """
     inverse = float(matter.inverse[i] + matter.inverse[j])
     apart = float((other.velocity - one.velocity) @ n)
@@ -157,8 +161,8 @@ def wall_collision(
 ) -> list[Outcome]:
     """What may follow when particle i hits a wall.
 
-    n: towards the wall, (3,). law: restitution and friction. surface: velocity of the wall there, (3,), length/time.
-    Others: as in `pair_collision`.
+    matter, n, speed: see the module. motion: before. law: restitution and friction. surface: velocity of the wall
+    there, (3,), length/time.
     """
     restitution, friction = law
     c = motion.velocity - surface + cross(matter.radii[i] * motion.spin, n)

@@ -15,7 +15,10 @@ OF_SUMS = 1e-12
 
 
 def energies(history: History, i: int, v: Floats, w: Floats) -> Floats:
-    """m v^2/2 + I omega^2/2 of particle i, of velocities (..., 3) and spins (..., 3); 0 of a fixed one."""
+    """m v^2/2 + I omega^2/2 of particle i, (...); 0 of a fixed one.
+
+    history: knows masses and moments of inertia. v, w: velocities and spins, (..., 3).
+    """
     matter = history.matter
     if matter.fixed[i]:
         return np.zeros(v.shape[:-1])
@@ -24,7 +27,7 @@ def energies(history: History, i: int, v: Floats, w: Floats) -> Floats:
 
 
 def gained(history: History, event: Event) -> list[float]:
-    """Energy that each partner of an event gained in it."""
+    """Energy that each partner of `event` gained in it. history: knows their masses."""
     return [
         float(energies(history, i, b.velocity, b.spin) - energies(history, i, a.velocity, a.spin))
         for i, (_, a), b in zip(event.partners, event.before, event.after, strict=True)
@@ -32,7 +35,7 @@ def gained(history: History, event: Event) -> list[float]:
 
 
 def impulse_on(history: History, event: Event) -> Floats:
-    """Momentum that the second partner of a pair gained, (3,): of a fixed one, what the first lost."""
+    """Momentum that the second partner of `event` gained, (3,); if it is fixed, what the first lost. history: of it."""
     place, i = (0, event.i) if history.matter.fixed[event.j] else (1, event.j)
     change = event.after[place].velocity - event.before[place][1].velocity
     return np.asarray(history.matter.masses[i] * change * (-1.0 if place == 0 else 1.0))
@@ -47,7 +50,8 @@ def audit_tallies(
 ) -> None:
     """Notes how far samples, sums and the final state are from those of the trace.
 
-    scene, run: as in `audit`. rounding: of positions, velocities and spins. found: where deviations are noted.
+    scene, run: as in `audit`. history: of the run, after its last event. rounding: of positions, velocities and spins.
+    found: where deviations are noted.
     """
     there = np.isfinite(run["time"])
     times = run["time"][there]

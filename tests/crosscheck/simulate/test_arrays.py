@@ -192,3 +192,15 @@ def test_observables_in_files_read_back(tmp_path):
 def test_a_name_with_line_breaks_stays_a_comment(tmp_path):
     path = write_csv(tmp_path / "t.csv", ["one\ntime,energy\r\n1,2"], {"time": np.zeros(1)})
     assert path.read_text().splitlines() == ["# one\\ntime,energy\\r\\n1,2", "time", "0.0"]
+
+
+def test_the_events_of_a_trace_are_rows_of_a_file(tmp_path):
+    scene = disks(output=Output(trace=True))
+    run = drawn(scene)
+    run |= {name: np.ones(shape) for name, shape in shapes(scene, 3, 4).items() if name.startswith("event_")}
+    result = Result("refimpl", "1", run, observables(scene, run))
+    paths, remark = write_places(tmp_path, "one", scene, EVENTS, result)
+    assert not remark
+    found = read(next(path for path in paths if path.name == "events-one.csv"))
+    assert found["event"].tolist() == [0, 1, 2, 3]
+    assert {"event_times", "event_partners[0]", "event_positions[1].y", "event_velocities[0].x"} <= set(found)
