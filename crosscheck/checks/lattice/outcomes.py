@@ -58,6 +58,8 @@ def _judge(laboratory: Laboratory, case: _Case) -> Judged:
             note=first.first,
         )
     ]
+    if first.number:  # outcomes that no rule has: of others nothing can be said
+        return worst(judgements, found.method.scheme)
     if case.kind != "free":
         judgements += _of_collisions_with_force(found)
         judgements += _of("particles that the force can turn", *_pushed(found, again), draws_of(abs(FORCE)))
@@ -100,7 +102,8 @@ def _driven_scene(model: str, seed: int) -> Scene:
 
 
 def _wide_scene(model: str, seed: int) -> Scene:
-    return gas_scene("wide", model, 2, 4200, 6, filled(DENSITY, seed), Output(), force=FORCE)
+    """A flow along the particles that the force turns: many of them."""
+    return gas_scene("wide", model, 2, 6200, 6, filled(DENSITY, seed, velocity_x=0.3), Output(), force=FORCE)
 
 
 _SCENES: dict[str, Callable[[str, int], Scene]] = {"free": _free_scene, "driven": _driven_scene, "wide": _wide_scene}
