@@ -123,6 +123,11 @@ RULES: tuple[Rule, ...] = (
 )
 
 
+def valid(row: Row) -> bool:
+    """Whether the features of a row go together."""
+    return all(rule(row) for rule in RULES)
+
+
 @cache
 def rows() -> tuple[list[Row], set[Pair]]:
     """Rows of `FACTORS` in which every pair of compatible levels occurs, and the pairs that do not go together."""
