@@ -214,7 +214,8 @@ def _box(row: Row, lengths: Floats, boundaries: tuple[str, ...]) -> Box:
             radius=float(lengths[across].min()) / 2,
             axis=row["cylinder"] if lengths.size == 3 else None,  # type: ignore[arg-type]
             angular_velocity={"no": 0.0, "forwards": 0.8, "backwards": -0.6}[row["turning"]],
-            restitution=0.9,
+            # a grain that loses speed to the cylinder alone comes to slide along it: infinitely many events
+            restitution=1.0 if row["restitution"] == "1" else 0.9,
             friction=friction,
         )
     return Box(lengths=tuple(lengths.tolist()), boundaries=boundaries, faces=faces or None, cylinder=cylinder)  # type: ignore[arg-type]

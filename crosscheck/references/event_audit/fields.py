@@ -194,8 +194,12 @@ def _least(cells: _Cells, name: str) -> float:
 def _contents(cells: _Cells, history: History, when: str, time: float, half_bonds: Any) -> None:
     matter = history.matter
     x, v, w = (one[0] for one in history.at(np.array([time])))
-    for i in np.flatnonzero(~matter.fixed).tolist():
+    for i in range(matter.number):
         place = cells.place(x[i])
+        if matter.depth:  # a fixed particle holds its half of a well too
+            cells.add(f"{when}_energy", place, half_bonds(i, time))
+        if matter.fixed[i]:
+            continue
         cells.add(f"{when}_mass", place, matter.masses[i])
         cells.add(f"{when}_momentum", place, matter.masses[i] * v[i, : cells.d])
-        cells.add(f"{when}_energy", place, float(energies(history, i, v[i], w[i])) + half_bonds(i, time))
+        cells.add(f"{when}_energy", place, float(energies(history, i, v[i], w[i])))
