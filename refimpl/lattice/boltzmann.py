@@ -44,7 +44,7 @@ class BoltzmannLattice:
         self.model = model
         self.f = np.array(f, dtype=np.float64, order="C")  # the order of sums over it
         self.time = 0
-        #: how often the sites of each row have been computed
+        #: its sum is how often a row's sites have been computed
         self.passes = np.zeros(self.f.shape[0], dtype=np.int64)
         velocities = model.velocities
         if self.f.ndim != 3 or self.f.shape[2] != model.channels:

@@ -47,7 +47,7 @@ class Forcing(NamedTuple):
 class LatticeGas(ABC):
     """A lattice gas at `time`, in steps; `impulses` (rows,): particles that the force has turned in each row.
 
-    passes: (rows,) how often the sites of each row have been computed.
+    passes: (rows,), whose sum is how often a row's sites have been computed.
 
     model: velocity set and collision table. sites: (rows, columns) of states, uint8, bit i for channel i. walls: (rows,
     columns) of rules, sums of REVERSE_X, REVERSE_Y, DRAW_X, DRAW_Y, or None. seed: of collisions, diffusive walls and

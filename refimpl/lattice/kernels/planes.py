@@ -140,11 +140,12 @@ def advance(  # type: ignore[no-untyped-def]
     source, target: planes; the last state is in `target` after an odd number of steps, in `source` after an even one.
     walls: None or planes (reverse x, reverse y); wall_draws: None or planes of the sites that reverse x, y with
     probability 1/2. push: None or `Push`. shape: rows, columns, words of a row, stride of the rows, size of a plane.
-    passes: (rows,), to which 1 is added for each row computed.
+    passes: (rows,), to whose entry `first` the number of rows computed is added.
     """
     first, last = stretch
     rows, columns, words, stride, size = shape
     channels = len(source) // size
+    computed = 0  # in a register: a row of few words would notice an addition in memory
     for now in range(step, step + steps):
         for row in range(first, last):
             below = ((row - 1) % rows) * stride + PAD
@@ -184,8 +185,9 @@ def advance(  # type: ignore[no-untyped-def]
             if push is not None:
                 push.impulses[row] += count
             _seal(target, channels, here, size, columns)
-            passes[row] += 1
+            computed += 1
         source, target = target, source
+    passes[first] += computed
 
 
 @register_jitable
