@@ -102,7 +102,7 @@ CHECKS = (
         judge=_judge_symplectic,
         variants=schemes_with(
             lambda name, claims: claims.order is not None and claims.symplectic is not None,
-            tier_beside_audits("velocity_verlet", "symplectic_euler", "gear4"),
+            tier_beside_audits("velocity_verlet", "symplectic_euler", "beeman", "gear2", "gear4"),
         ),
         faults=(
             (
