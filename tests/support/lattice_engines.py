@@ -209,7 +209,7 @@ WRONG = {
     TakingTurns: ("lattice/outcomes", "fhp1-3"),
     SameEveryStep: ("lattice/outcomes", "fhp1-3"),
     PassThrough: ("lattice/audit", "rows-1"),
-    EvenRows: ("lattice/audit", "rows-1"),
+    EvenRows: ("lattice/audit", "rows-0"),
     DoubleForce: ("lattice/audit", "rows-1"),
     Slipping: ("lattice/audit", "rows-1"),
     OneCoinARow: ("lattice/outcomes", "fhp1-driven-3"),

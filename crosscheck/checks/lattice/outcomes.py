@@ -23,7 +23,7 @@ from crosscheck.references.lattice_models import MODELS
 from crosscheck.scene import Floats, Obstacle, Output, Scene
 from crosscheck.verdict import Judged, Judgement, round_off, statistical, worst
 
-#: Of each model: the place of the scheme that is judged among those that count particles, in the quick tier.
+#: Of each model: the place of the scheme that is judged in the quick tier, among those of the engine.
 _SCHEMES = {"fhp1": 2, "fhp2": 2, "fhp3": 1, "fhp_saturated": 2, "fhp_saturated_identity": 2}
 #: The density of most head-on pairs, and some of all other states.
 DENSITY = 0.35
@@ -34,7 +34,7 @@ _Kind = Literal["free", "driven", "wide"]
 
 
 class _Case(NamedTuple):
-    """A model; what moves beside collisions; the place of the scheme among the engine's.
+    """A model; what moves beside collisions; the place of the scheme among those of the engine.
 
     driven: with diffusive walls and a force; wide: with a force alone, on two rows that are longer than 64 words.
     """
@@ -72,18 +72,16 @@ def _judge(laboratory: Laboratory, case: _Case) -> Judged:
 
 
 def _recorded(laboratory: Laboratory, scene: Scene, number: int) -> Recorded:
-    """With the scheme of this number, counted round, among those that count particles and can run the scene."""
-    able = []
-    for method in lattice_methods(laboratory.engine):
+    """With the lattice scheme of this number, counted round, or the next one that counts particles and can run it."""
+    methods = lattice_methods(laboratory.engine)
+    for turn in range(len(methods)):
         try:
-            probe = recorded(laboratory, scene.changed(duration=0), method)
+            found = recorded(laboratory, scene, methods[(number + turn) % len(methods)])
         except Unsupported:
             continue
-        if probe.whole:
-            able.append(method)
-    if not able:
-        raise Unsupported(f"{laboratory.engine}: no lattice scheme that counts particles can run this scene")
-    return recorded(laboratory, scene, able[number % len(able)])
+        if found.whole:
+            return found
+    raise Unsupported(f"{laboratory.engine}: no lattice scheme that counts particles can run this scene")
 
 
 def _free_scene(model: str, seed: int) -> Scene:
