@@ -170,7 +170,7 @@ CHECKS = (
             (
                 "unlike",
                 Fault(
-                    "reduced-mass",
+                    "strong-unlike-pairs",
                     "events/rules.py",
                     "return 1.0 / (inverse_masses[i] + inverse_masses[j])",
                     "return 1.000001 / (inverse_masses[i] + inverse_masses[j])",
