@@ -17,7 +17,7 @@ from crosscheck.verdict import Judged, bounded, round_off, worst
 #: Samples of a run: so many that two events of one particle between two of them are rare.
 SAMPLES = 700
 #: An interval in which they have is run again, so many times, each with so many samples; and so many such intervals.
-FINER, SAMPLES_AGAIN, MOST_AGAIN = 2, 50, 20
+FINER, SAMPLES_AGAIN, MOST_AGAIN = 3, 50, 20
 
 
 class _Gas(NamedTuple):
@@ -130,8 +130,8 @@ def _traced(laboratory: Laboratory, scene: Scene, finer: int) -> tuple[Run, list
 
 #: A path meets another where both are crossed: the time of the event is their distance over the change of velocity,
 #: whose rounding is that of positions over that change, which may be small beside the velocities.
-AMPLIFIED = 30.0
-_MORE = "times 30 for the time of an event, which is read off two paths that may meet at a small angle"
+AMPLIFIED = 3.0
+_MORE = "times 3 for the time of an event, which is read off two paths that may meet at a small angle"
 _PERIODIC = "box.boundaries=periodic"
 
 
@@ -143,7 +143,7 @@ def _variant(name: str, gas: _Gas, words: str = "") -> Variant:
 _WALLS = "box.boundaries=hard box.faces box.faces.restitution"
 _VARIANTS = (
     _variant("small-2d", _Gas(2, (2.02, 2.3), 2, 20.0)),
-    _variant("small-3d", _Gas(3, (2.02, 2.1, 2.2), 3, 12.0)),
+    _variant("small-3d", _Gas(3, (2.02, 2.1, 2.2), 3, 4.0)),
     _variant("gas-2d", _Gas(2, (3.5, 4.0), 6, 6.0)),
     _variant("gas-3d", _Gas(3, (3.0, 3.5, 3.2), 8, 6.0)),
     _variant("walls", _Gas(3, (3.0, 2.5, 3.0), 6, 6.0, walls=True), _WALLS),
@@ -170,7 +170,7 @@ CHECKS = (
             (
                 "unlike",
                 Fault(
-                    "reduced-mass",
+                    "strong-unlike-pairs",
                     "events/rules.py",
                     "return 1.0 / (inverse_masses[i] + inverse_masses[j])",
                     "return 1.000001 / (inverse_masses[i] + inverse_masses[j])",

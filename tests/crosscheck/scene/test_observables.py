@@ -66,7 +66,7 @@ def test_a_scene_asks_for_its_matter_alone() -> None:
     smooth = DISKS.changed(hard_spheres=HardSpheres(), output=Output(interval=1.0, trajectory=True))
     assert "angular_velocities" not in smooth.asked()
     for scene in (SPRING, DISKS, GAS):
-        everything = asked_for(scene.matters, NAMED, trajectory=True, forces=True, fields=True)
+        everything = asked_for(scene.matters, NAMED, trajectory=True, forces=True, fields=True, trace=True)
         assert all(row.matter in scene.matters for row in everything.values())
 
 
