@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from crosscheck.checks.base import Check, Laboratory, full, quick
+from crosscheck.checks.base import Check, FeatureRows, Laboratory, full, quick
 from crosscheck.checks.events.audit_rows import EVENTS, FACTORS, row_scene, rows, valid
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.engines.capabilities import measured, refusal
@@ -202,6 +202,7 @@ CHECKS = (
             observables="positions velocities event_times event_partners event_positions event_velocities"
         ),
         interpreted=True,
+        features=FeatureRows(FACTORS, rows),
         faults=FAULTS,
     ),
 )

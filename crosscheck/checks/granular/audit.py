@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from crosscheck.checks.base import Check, Laboratory, Variant
+from crosscheck.checks.base import Check, FeatureRows, Laboratory, Variant
 from crosscheck.checks.granular.audited_scenes import audited_method, audited_scene, possible, simple
 from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
 from crosscheck.engines.capabilities import Needs
@@ -178,5 +178,6 @@ CHECKS = (
             ),
         ),
         interpreted=True,
+        features=FeatureRows(FACTORS, rows),
     ),
 )

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, Variant
+from crosscheck.checks.base import Check, FeatureRows, Laboratory, Variant
 from crosscheck.checks.lattice.gases import FHP, LATTICE, gas_scene
 from crosscheck.checks.lattice.recording import Recorded, lattice_methods, recorded
 from crosscheck.engines.capabilities import Needs, refusal
@@ -382,5 +382,6 @@ CHECKS = (
         ),
         needs=Needs("lattice_gas", (LATTICE,), observables=frozenset({"populations"})),
         interpreted=True,
+        features=FeatureRows(FACTORS, rows),
     ),
 )

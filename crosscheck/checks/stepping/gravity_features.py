@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.base import Check, FeatureRows, Laboratory, variants_of
 from crosscheck.checks.stepping.audit import Features, audit_rows
 from crosscheck.checks.stepping.faults import gravity_fault
 from crosscheck.engines.capabilities import Needs
@@ -100,5 +100,6 @@ CHECKS = (
         ),
         needs=Needs("gravity"),
         interpreted=True,
+        features=FeatureRows(FACTORS, rows),
     ),
 )

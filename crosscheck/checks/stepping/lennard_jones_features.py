@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.base import Check, FeatureRows, Laboratory, variants_of
 from crosscheck.checks.stepping.audit import Features, audit_rows
 from crosscheck.checks.stepping.faults import pair_fault
 from crosscheck.engines.capabilities import Needs
@@ -171,5 +171,6 @@ CHECKS = (
         ),
         needs=Needs("lennard_jones"),
         interpreted=True,
+        features=FeatureRows(FACTORS, rows),
     ),
 )

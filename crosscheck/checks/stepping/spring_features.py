@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, variants_of
+from crosscheck.checks.base import Check, FeatureRows, Laboratory, variants_of
 from crosscheck.checks.stepping.audit import Features, audit_rows
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
@@ -80,5 +80,6 @@ CHECKS = (
         ),
         needs=Needs("spring"),
         interpreted=True,
+        features=FeatureRows(FACTORS, rows),
     ),
 )
