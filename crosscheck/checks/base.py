@@ -7,14 +7,16 @@ with a planted fault. It is found by being there.
 from __future__ import annotations
 
 import hashlib
+import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 from crosscheck.engines.capabilities import Needs, scheme_of
 from crosscheck.engines.protocol import Claims, Cost, Kind, Run
 from crosscheck.engines.registry import engine_class
-from crosscheck.engines.workers.pool import Pool
+from crosscheck.engines.workers.pool import Pool, Worker
 from crosscheck.errors import EndedEarly, EngineError, Unsupported
 from crosscheck.faults import Fault
 from crosscheck.pairs import Pair, Row
@@ -93,9 +95,31 @@ class Laboratory:
         an engine that promises `interpretable` runs as plain Python; None: as the check says.
         """
         name = engine or self.engine
-        plain = self.interpreted if interpreted is None else interpreted
-        worker = self.pool.worker(name, plain and "interpretable" in getattr(engine_class(name), "promises", ()))
+        worker = self._worker(name, self.interpreted if interpreted is None else interpreted)
         run = worker.run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
+        return self._taken(name, scene, run, may_end_early)
+
+    def run_in_two(self, scene: Scene, method: Method | Kind) -> tuple[Run, Run]:
+        """Runs `scene` in two halves, the second one from the state that the first one leaves; both runs.
+
+        method: as in `run`; so are the errors. EngineError if the engine leaves no state.
+        """
+        how = method if isinstance(method, Method) else _of_kind(self.engine, scene, method)
+        worker = self._worker(self.engine, self.interpreted)
+        half = scene.changed(duration=scene.duration / 2)
+        with tempfile.TemporaryDirectory(prefix="crosscheck-halves-") as directory:
+            middle, end = (Path(directory) / f"{name}.npz" for name in ("middle", "end"))
+            first = self._taken(self.engine, scene, worker.run(half, how, keep=middle))
+            if not middle.exists():
+                raise EngineError(f"{self.engine}: it leaves no state at the end of scene {scene.name} to go on from")
+            second = self._taken(self.engine, scene, worker.run(half, how, restart=middle, keep=end))
+        return first, second
+
+    def _worker(self, name: str, interpreted: bool) -> Worker:
+        return self.pool.worker(name, interpreted and "interpretable" in getattr(engine_class(name), "promises", ()))
+
+    def _taken(self, name: str, scene: Scene, run: Run, may_end_early: bool = False) -> Run:
+        """The run, whose cost is added; EndedEarly or EngineError if it ended early."""
         self.cost.add(run.cost)
         if (run.diverged or run.stopped) and not may_end_early:
             reason = f"{name}, scene {scene.name}: the run {'diverged' if run.diverged else f'stopped: {run.stopped}'}"

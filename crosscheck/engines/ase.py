@@ -25,6 +25,7 @@ class AseEngine:
     """`ase.md.verlet.VelocityVerlet` with `ase.calculators.lj.LennardJones`, one species, no walls."""
 
     name = "ase"
+    promises = ("restarts",)
     schemes = {"velocity_verlet": Claims((2, 2), None, symplectic=True)}
     capabilities = (
         capability(

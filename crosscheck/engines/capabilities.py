@@ -178,7 +178,8 @@ class Needs:
     without which no variant of the check can be run. schemes: names of schemes that the engine must have. promises:
     names that the engine's attribute `promises` must hold; "speed": its speed may be judged; "interpretable": where the
     environment has NUMBA_DISABLE_JIT, it runs as plain Python, for scenes too small to be worth a compilation;
-    "operations": it counts them exactly, in `Cost`.
+    "operations": it counts them exactly, in `Cost`; "restarts": it goes on with the same bits, see
+    `protocol.Restartable`.
     """
 
     interaction: str

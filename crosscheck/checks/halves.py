@@ -1,0 +1,67 @@
+"""A run without a break beside the same one in two halves: what checks compare where an engine promises `restarts`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from crosscheck.checks.base import Laboratory
+from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.protocol import Kind
+from crosscheck.references import EPSILON
+from crosscheck.scene import Method, Scene
+from crosscheck.scene.observables import TABLE
+from crosscheck.verdict import Judgement, round_off
+
+EQUATION = "x(t) = x(t - t/2 | x(t/2))"
+CRITERION = "not one bit of a state differs; sums over the run to rounding"
+_SAME_BITS = "the state that is handed on is all that decides what follows: not one bit may differ"
+_OF_SUMS = "two parts of a sum, against the whole: rounding, relative to the largest"
+#: Roundings of a sum over a run that is added up in two parts.
+ROUNDINGS = 1000.0
+
+
+def restarting(needs: Needs) -> Needs:
+    """`needs`, and that the engine goes on from where a run ended."""
+    return replace(needs, promises=(*needs.promises, "restarts"))
+
+
+def halves(laboratory: Laboratory, scene: Scene, method: Method | Kind, name: str) -> list[Judgement]:
+    """The judgements that states are the same to the last bit after a break, and sums over the run to rounding.
+
+    laboratory, method: as of `Laboratory.run`. scene: its number of samples is odd, so that one is in the middle. name:
+    of the scene, in the quantities' names.
+    """
+    whole = laboratory.run(scene, method)
+    first, second = laboratory.run_in_two(scene, method)
+    middle = (len(whole["time"]) - 1) // 2
+    differing, apart = {}, {}
+    for key, values in whole.items():
+        row = TABLE[key]
+        if key == "time":
+            continue
+        if row.cumulative:
+            total = first[key][-1] + second[key] if row.axes[0] == "sample" else first[key] + second[key]
+            asked = values[middle:] if row.axes[0] == "sample" else values
+            size = float(np.abs(values).max())
+            apart[key] = float(np.abs(total - asked).max()) / size if size else float(np.abs(total).max())
+        else:
+            asked = values[middle:] if row.axes[0] == "sample" else values
+            same = asked.shape == second[key].shape and np.array_equal(asked, second[key], equal_nan=True)
+            differing[key] = 0 if same else 1
+    off = [key for key, count in differing.items() if count]
+    found = [
+        round_off(
+            f"{name}: arrays that differ",
+            float(len(off)),
+            0.5,
+            _SAME_BITS,
+            note=f"they are {', '.join(off)}" * bool(off),
+        )
+    ]
+    if apart:
+        farthest = max(apart, key=lambda key: apart[key])
+        quantity = f"{name}: sums over the run, largest relative difference"
+        found.append(round_off(quantity, apart[farthest], ROUNDINGS * EPSILON, _OF_SUMS, note=f"in {farthest}"))
+    return found
