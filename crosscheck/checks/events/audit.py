@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from crosscheck.checks.base import Check, FeatureRows, Laboratory, full, quick
 from crosscheck.checks.events.audit_rows import EVENTS, FACTORS, row_scene, rows, valid
 from crosscheck.checks.events.gases import event_driven
+from crosscheck.checks.events.rows import reported_time
 from crosscheck.engines.capabilities import measured, refusal
+from crosscheck.engines.protocol import Run
 from crosscheck.engines.registry import engine_class
-from crosscheck.errors import Unsupported
+from crosscheck.errors import EndedEarly, Unsupported
 from crosscheck.faults import Fault
 from crosscheck.pairs import Row
 from crosscheck.references.event_audit import KINDS, Audit, audit
@@ -46,8 +49,8 @@ def _judge(laboratory: Laboratory, chunk: _Chunk) -> Judged:
         seen.append(row)
         scene, method = _measured(laboratory, row, row_scene(row, number))
         scene = _of_good_length(laboratory, scene, method, chunk.events)
-        run = laboratory.run(scene, method, may_end_early=scene.output.collisions is not None)
-        found = audit(scene, run)
+        run = laboratory.run(scene, method, may_end_early=True)
+        found = audit(scene, run, collapsed=_collapsed(scene, run, may_collapse=chunk.events > EVENTS))
         judged += 1
         total.events += found.events
         for kind, share in found.shares.items():
@@ -85,8 +88,21 @@ def _able(laboratory: Laboratory, row: Row, number: int) -> Row:
 
 
 def _keeps_moving(row: Row) -> bool:
-    """Whether particles lose nothing to each other and do not settle, so that a long run does not end in a collapse."""
-    return row["restitution"] == "1" and row["friction"] == row["field"] == "none" and row["walls"] != "open"
+    """Whether particles lose little and do not settle, so that a long run has many events."""
+    return row["restitution"] == "1" and row["field"] == "none" and row["walls"] != "open"
+
+
+def _collapsed(scene: Scene, run: Run, may_collapse: bool) -> bool:
+    """Whether the run ended in an inelastic collapse; EndedEarly for an end that is not expected.
+
+    A run that counts collisions may also end with its duration, before the last of them: what it says then names no
+    particles, and it is audited to its duration. may_collapse: a collapse is expected.
+    """
+    collapsed = math.isfinite(reported_time(run))
+    counts = scene.output.collisions is not None
+    if run.diverged or (collapsed and not may_collapse) or (run.stopped and not (collapsed or counts)):
+        raise EndedEarly(f"scene {scene.name}: the run {'diverged' if run.diverged else f'stopped: {run.stopped}'}")
+    return collapsed
 
 
 def _refused(laboratory: Laboratory, row: Row, number: int) -> str | None:

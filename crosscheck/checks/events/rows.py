@@ -21,6 +21,12 @@ def reported_time(run: Run) -> float:
     return float(found[1]) if found else np.nan
 
 
+def reported_partners(run: Run) -> frozenset[int]:
+    """Numbers of the particles whose collapse ended `run`, read from the reason that the engine reports."""
+    found = re.search(r"particles? (\d+)(?: and (\d+))?", run.stopped)
+    return frozenset(int(one) for one in (found.groups() if found else ()) if one is not None)
+
+
 class Row(NamedTuple):
     """Particles in a row along x.
 

@@ -12,6 +12,7 @@ from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.stats import halfnorm
 
 from crosscheck.checks.base import Check, FeatureRows, Laboratory, Variant
 from crosscheck.checks.lattice.gases import FHP, LATTICE, gas_scene
@@ -26,7 +27,7 @@ from crosscheck.references.lattice_audit import coins, mean_step, numbers, pushe
 from crosscheck.references.lattice_models import MODELS, VELOCITIES, entropy_density, fermi_dirac
 from crosscheck.references.lattice_starts import deviation_from_equilibrium, fields
 from crosscheck.scene import LatticeGas, Method, Obstacle, Occupations, Output, Scene, Wave
-from crosscheck.verdict import LEAST_SAMPLES, Judged, Judgement, round_off, statistical, worst
+from crosscheck.verdict import LEAST_SAMPLES, Judged, Judgement, by_chance, round_off, worst
 
 #: Each feature and its levels; the first one is its absence, or the plainest.
 FACTORS = {
@@ -327,14 +328,11 @@ def _chances(found: list[tuple[Row, _Found]]) -> Iterable[Judgement]:
         there = [one.chances[quantity] for _, one in found if quantity in one.chances]
         total, variance = (sum(values) for values in zip(*there, strict=True)) if there else (0.0, 0.0)
         if variance > LEAST_SAMPLES:
-            yield statistical(
-                f"{quantity}, less those expected, over the standard deviation",
-                total / variance**0.5,
-                1.0,
-                0.0,
-                0.0,
+            yield by_chance(
+                f"{quantity}, less those expected, over the standard deviation: its size",
+                abs(total) / variance**0.5,
+                halfnorm,
                 "binomial numbers with the probability that the scene asks for, summed over scenes",
-                samples=4 * variance,
             )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from typing import Literal, NamedTuple
 
 import numpy as np
+from scipy.stats import halfnorm
 
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.lattice.gases import FHP, LATTICE, filled, gas_scene
@@ -21,7 +22,7 @@ from crosscheck.references.lattice_audit import Motion, coins, draws_of, outcome
 from crosscheck.references.lattice_draws import frequencies, serial
 from crosscheck.references.lattice_models import MODELS
 from crosscheck.scene import Floats, Obstacle, Output, Scene
-from crosscheck.verdict import Judged, Judgement, round_off, statistical, worst
+from crosscheck.verdict import Judged, Judgement, by_chance, round_off, worst
 
 #: Of each model: the place of the scheme that is judged in the quick tier, among those of the engine.
 _SCHEMES = {"fhp1": 2, "fhp2": 2, "fhp3": 1, "fhp_saturated": 2, "fhp_saturated_identity": 2}
@@ -133,8 +134,8 @@ def _of_collisions_with_force(found: Recorded) -> Iterable[Judgement]:
 def _frequencies(label: str, motion: Motion, probabilities: Floats) -> Iterable[Judgement]:
     found = frequencies(_counts(motion, len(probabilities)), probabilities)
     why = f"chi^2 of {found.draws} outcomes, as the normal variable of the same probability"
-    for which, value in (("all states", found.total), (f"the worst state, {found.state:b}", found.worst)):
-        yield statistical(f"{label}, {which}", value, 1.0, 0.0, 0.0, why, samples=found.draws)
+    yield by_chance(f"{label}, all states", found.total, halfnorm, why)
+    yield by_chance(f"{label}, the worst state", found.worst, halfnorm, why, note=f"state {found.state:b}")
 
 
 def _of(label: str, one: Motion, other: Motion, probabilities: Floats) -> Iterable[Judgement]:
@@ -142,14 +143,12 @@ def _of(label: str, one: Motion, other: Motion, probabilities: Floats) -> Iterab
     for name, compared in (("of one run", None), ("of two seeds", other)):
         found = serial(one, probabilities, compared)
         step, row, column = found.distance
-        yield statistical(
-            f"{label}, {name}: largest serial correlation, {step} steps, {row} rows, {column} columns apart",
+        yield by_chance(
+            f"{label}, {name}: largest serial correlation",
             found.largest,
-            1.0,
-            0.0,
-            0.0,
+            halfnorm,
             f"the largest of {found.distances} distances, as one normal variable of the same probability",
-            samples=found.distances,
+            note=f"{step} steps, {row} rows, {column} columns apart",
         )
 
 

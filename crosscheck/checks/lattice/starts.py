@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, halfnorm
 
 from crosscheck.checks.base import Check, Laboratory, full, quick
 from crosscheck.checks.lattice.gases import FHP, LATTICE, gas_scene
@@ -24,7 +24,7 @@ from crosscheck.references.lattice_draws import as_normal, largest_correlation
 from crosscheck.references.lattice_models import fermi_dirac
 from crosscheck.references.lattice_starts import Fields, deviation_from_equilibrium, fields, numbers_of_cells
 from crosscheck.scene import Method, Obstacle, Occupations, Output, Wave
-from crosscheck.verdict import Judged, Judgement, round_off, statistical, worst
+from crosscheck.verdict import Judged, Judgement, by_chance, round_off, worst
 
 ROWS, COLUMNS, CELL = 60, 48, 4
 WAVES = (
@@ -138,23 +138,18 @@ def _of_particles(name: str, found: Recorded, initial: Occupations) -> list[Judg
     channel, row, column = order.distance
     return [
         _empty_walls(name, found),
-        statistical(
+        by_chance(
             f"{name}: numbers of particles in strips and by density",
             as_normal(least, len(groupings)),
-            1.0,
-            0.0,
-            0.0,
+            halfnorm,
             f"the largest of {len(groupings)} chi^2, as a normal variable of the same probability",
-            samples=f.size,
         ),
-        statistical(
-            f"{name}: largest correlation, {channel} channels, {row} rows and {column} columns apart",
+        by_chance(
+            f"{name}: largest correlation of two places",
             order.largest,
-            1.0,
-            0.0,
-            0.0,
+            halfnorm,
             f"the largest of {order.distances} distances, as one normal variable of the same probability",
-            samples=f.size,
+            note=f"{channel} channels, {row} rows and {column} columns apart",
         ),
     ]
 
@@ -181,14 +176,11 @@ def _of_cells(laboratory: Laboratory, model: str, method: Method) -> Iterable[Ju
     share = expected / size
     away = cells.sum(axis=(0, 2)) - share.sum()
     square = float((away**2).sum() / (share * (1 - share)).sum() * (size - 1) / size)
-    yield statistical(
+    yield by_chance(
         f"{name}: particles at each place of a cell",
-        as_normal(float(chi2.sf(square, size - 1))),
-        1.0,
-        0.0,
-        0.0,
-        f"chi^2 of {size} places, as a normal variable of the same probability",
-        samples=n.size,
+        square,
+        chi2(size - 1),
+        f"chi^2 of {size} places",
     )
 
 

@@ -22,6 +22,9 @@ from crosscheck.scene.parts import Face
 ROUNDINGS = 32.0
 #: Velocities drawn by a thermal wall, in thermal velocities: beyond it is the probability 1e-22 a draw.
 LARGEST_DRAW = 10.0
+#: A collapse shows as so many flights of one particle, its last ones, each shorter than this share of the time in which
+#: the fastest one moves by a diameter.
+LAST_FLIGHTS, OF_A_DIAMETER = 2, 1e-8
 
 
 #: Kinds of deviation of the events themselves, in the order of the report, and what their tolerance is.
@@ -34,19 +37,21 @@ KINDS = {
     "spins after": "as of velocities, over the radius",
     "drawn velocities": "what the law of a random wall makes possible; no draw repeats",
     "missed events": "rounding of positions: no overlap of any pair, image or wall between events",
+    "end of the run": "its time is over, or the last flights of a particle take no time",
 }
 
 
-def audit(scene: Scene, run: Mapping[str, Floats]) -> Audit:
+def audit(scene: Scene, run: Mapping[str, Floats], *, collapsed: bool = False) -> Audit:
     """Audits a run with a trace.
 
     scene: of hard spheres, with `output.trace`; whatever else it asks for is audited too. run: what the engine
-    returned.
+    returned. collapsed: the engine says that an inelastic collapse has ended the run: it is audited up to its last
+    event, and must look like one there.
     """
     matter, found = matter_of(scene), Audit()
     for kind in KINDS:
         found.note(kind, 0.0, 1.0, "")
-    history = History(scene, matter, run)
+    history = History(scene, matter, run, collapsed)
     judge = _Judge(history, found)
     found.events = len(history.times)
     for number in range(len(history.times)):
@@ -55,11 +60,25 @@ def audit(scene: Scene, run: Mapping[str, Floats]) -> Audit:
             return found  # all that follows would be judged by what did not happen
         history.append(event)
     history.close()
+    if collapsed:
+        _audit_collapse(history, judge.speed, found)
     audit_missed(history, judge.length, found)
     audit_tallies(scene, history, run, (judge.length, judge.velocity, judge.spin), found)
     if scene.output.fields is not None:
         audit_fields(scene, history, run, found)
     return found
+
+
+def _audit_collapse(history: History, speed: float, found: Audit) -> None:
+    """Notes the last flights of the particle whose collapse ended the run, where they take time. speed: the largest."""
+    last = history.events[-1] if history.events else None
+    flights = math.inf
+    for i in [] if last is None else last.partners:
+        times = history.times_of(i)
+        if len(times) > LAST_FLIGHTS + 1:  # the first is that of the start
+            flights = min(flights, float(np.diff(times[-LAST_FLIGHTS - 1 :]).max()))
+    where = f"t = {history.end:.6g}: a collapse that is none"
+    found.note("end of the run", flights, OF_A_DIAMETER * 2 * float(history.matter.radii.max()) / speed, where)
 
 
 class _Judge:

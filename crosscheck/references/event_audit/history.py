@@ -49,11 +49,11 @@ class States:
 class History:
     """What the trace of a run says of each particle.
 
-    scene, run: as in `audit`. Attributes: matter; run; end: of the run, time; times: of the events; events: those that
-    were audited; drawn: what random walls have drawn.
+    scene, run, collapsed: as in `audit`. Attributes: matter; run; end: of the run, time; times: of the events; events:
+    those that were audited; drawn: what random walls have drawn.
     """
 
-    def __init__(self, scene: Scene, matter: Matter, run: Mapping[str, Floats]) -> None:
+    def __init__(self, scene: Scene, matter: Matter, run: Mapping[str, Floats], collapsed: bool = False) -> None:
         state = scene.initial_state()
         self.matter, self.run = matter, run
         # a run that counts collisions ends at the last of them, if its duration is not over before
@@ -61,6 +61,8 @@ class History:
         if scene.output.collisions is not None and np.isfinite(run["time"][-1]):
             self.end = float(run["time"][-1])
         self.times = run["event_times"].tolist()
+        if collapsed and self.times:
+            self.end = self.times[-1]
         self.events: list[Event] = []
         self.drawn: list[float] = []
         self.start = States(

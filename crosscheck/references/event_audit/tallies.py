@@ -53,7 +53,7 @@ def audit_tallies(
     scene, run: as in `audit`. history: of the run, after its last event. rounding: of positions, velocities and spins.
     found: where deviations are noted.
     """
-    there = np.isfinite(run["time"])
+    there = run["time"] <= history.end  # not NaN, and not after a collapse
     times = run["time"][there]
     for name, (values, size) in _states(scene, history, rounding, times).items():
         if name in run:

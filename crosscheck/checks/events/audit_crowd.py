@@ -1,0 +1,93 @@
+"""Many small disks that gather in the well of a large one: full cells and long lists of partners, event by event."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, quick
+from crosscheck.checks.events.gases import event_driven
+from crosscheck.faults import Fault
+from crosscheck.references.event_audit import KINDS, audit
+from crosscheck.scene import Box, HardSpheres, Output, Scene, Well, explicit
+from crosscheck.verdict import Judged, bounded, round_off, worst
+
+#: Small disks; how many of them are in the well of the large one at once, at least; number of the large one: some have
+#: lower numbers and some higher ones.
+SMALL, GATHERED, LARGE = 24, 20, 9
+_DEPTH, _DIAMETERS, _MASSES = 0.5, (1.0, 6.0), (1.0, 40.0)
+_LENGTHS = (26.0, 24.0)
+#: Radius of the ring of small disks at the start, and the duration: the first ones rebound and leave.
+_RING, _DURATION = 9.0, 8.0
+
+
+def crowd() -> Scene:
+    """A ring of small disks that move towards a large one in its middle, which attracts them, and they each other."""
+    rng = np.random.default_rng(3)
+    angles = 2 * np.pi * np.arange(SMALL) / SMALL
+    out = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    along = np.stack([-out[:, 1], out[:, 0]], axis=1)
+    x = np.array(_LENGTHS) / 2 + _RING * out
+    v = -rng.uniform(0.95, 1.05, (SMALL, 1)) * out + rng.uniform(-0.05, 0.05, (SMALL, 1)) * along
+    species = np.insert(np.zeros(SMALL, int), LARGE, 1)
+    return Scene(
+        name="crowd",
+        dimension=2,
+        duration=_DURATION,
+        hard_spheres=HardSpheres(diameter=_DIAMETERS, well=Well(depth=_DEPTH, range=1.3)),
+        box=Box(lengths=_LENGTHS),
+        masses=tuple(np.array(_MASSES)[species].tolist()),
+        species=tuple(species.tolist()),
+        initial=explicit(
+            np.insert(x, LARGE, np.array(_LENGTHS) / 2, axis=0), np.insert(v, LARGE, (0.02, -0.03), axis=0)
+        ),
+        output=Output(
+            interval=_DURATION / 40, observables=("kinetic_energy", "potential_energy"), trajectory=True, trace=True
+        ),
+    )
+
+
+def _judge(laboratory: Laboratory, value: None) -> Judged:
+    scene = crowd()
+    run = laboratory.run(scene, EVENT_DRIVEN)
+    found = audit(scene, run)
+    judgements = [
+        round_off(f"{kind}: largest error, in its rounding", share, 1.0, KINDS.get(kind, "of its terms"),
+                  note=found.where.get(kind, ""))
+        for kind, share in found.shares.items()
+    ]  # fmt: skip
+    bonds = -float(run["potential_energy"].min()) / _DEPTH
+    why = "so many partners that tables which were laid out for an ordinary liquid are too small"
+    judgements.append(bounded("pairs in their wells at once", bonds, GATHERED, why, at_least=True, control=True))
+    return worst(judgements, f"{found.events} events, up to {bonds:.0f} pairs in their wells")
+
+
+CHECKS = (
+    Check(
+        name="events/audit-crowd",
+        title="Small disks that gather around a large one, in its well: every event against the definitions",
+        equation="as events/audit",
+        criterion="each number to its rounding",
+        citation="Alder & Wainwright, J. Chem. Phys. 31, 459 (1959)",
+        judge=_judge,
+        variants=quick("disks"),
+        needs=event_driven(
+            "dimension=2 hard_spheres.diameter[] hard_spheres.well masses[] box.boundaries=periodic",
+            "positions velocities kinetic_energy potential_energy "
+            "event_times event_partners event_positions event_velocities",
+        ),
+        interpreted=True,
+        faults=(
+            (
+                "disks",
+                Fault(
+                    "partners-forgotten",
+                    "events/simulation.py",
+                    "bonds = np.pad(particles.bonds, ((0, 0), (0, particles.bonds.shape[1])))",
+                    "bonds = np.pad(particles.bonds[:, ::-1], ((0, 0), (0, particles.bonds.shape[1])))[:, ::-1]\n"
+                    "            bonds = np.ascontiguousarray(np.roll(bonds, 1, axis=1))",
+                    "lists of partners in wells are moved when they get more room",
+                ),
+            ),
+        ),
+    ),
+)
