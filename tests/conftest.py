@@ -1,10 +1,13 @@
 """Kernels compiled by tests are kept apart for each state of the sources; hypothesis repeats its examples."""
 
 import os
+from collections.abc import Iterator
 
+import pytest
 from hypothesis import settings
 
 from crosscheck.engines.workers.cache import kernel_cache, take_care_of_damage
+from crosscheck.engines.workers.pool import Worker
 
 # numba's own cache can be stale
 os.environ["NUMBA_CACHE_DIR"] = str(kernel_cache())
@@ -14,3 +17,11 @@ take_care_of_damage()
 # no limit on the time of one example: the machine may be shared, and the first may compile
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
 settings.load_profile("repeatable")
+
+
+@pytest.fixture(scope="session")
+def interpreted() -> Iterator[Worker]:
+    """`refimpl` as plain Python, for scenes so small that compiling would take longer than running."""
+    worker = Worker("refimpl", time_limit=300, interpreted=True)
+    yield worker
+    worker.close()

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import crosscheck
@@ -68,8 +68,10 @@ def executed_lines(
     groups: dict[str, list[Case]] = {}
     for case in missing:
         groups.setdefault(case.check, []).append(case)
+    # here, not on the threads: Python 3.11 may fail where two of them make syntax trees at the same time
+    sources = [sources_of(check) for check in groups]
     with ThreadPoolExecutor(jobs) as pool:
-        for done, found in enumerate(pool.map(lambda group: _record(group, seed), groups.values()), 1):
+        for done, found in enumerate(pool.map(partial(_record, seed), groups.values(), sources), 1):
             with path.open("a", encoding="utf-8") as file:
                 for one in found:
                     file.write(_written(one))
@@ -78,8 +80,8 @@ def executed_lines(
     return [known[case, seed] for case in cases if (case, seed) in known]
 
 
-def _record(cases: Iterable[Case], seed: int) -> list[Executed]:
-    """What the cases execute; interpreted ones run a second time, since recording makes them many times slower."""
+def _record(seed: int, cases: Iterable[Case], sources: str) -> list[Executed]:
+    """What the cases of one check execute; sources: its hash. Interpreted ones run a second time, since recording makes them many times slower."""
     found = []
     with Judge(records=True) as judge, Judge() as unwatched:
         for case in cases:
@@ -90,7 +92,7 @@ def _record(cases: Iterable[Case], seed: int) -> list[Executed]:
                 break
             verdict = (answer.outcome, seconds, interpreted)
             lines = (_relative(answer.lines.get(kind, {})) for kind in ("run", "import"))
-            found.append(Executed(case, seed, sources_of(case.check), *verdict, *lines))
+            found.append(Executed(case, seed, sources, *verdict, *lines))
     return found
 
 

@@ -1,7 +1,8 @@
 """Every word of the scene language that `refimpl` understands is used by a scene of the quick tier.
 
 A feature that no check judges is an error of the suite. The scenes are collected without running them: a worker stands
-in that returns random numbers of the right shapes, so that most checks go on to their last scene.
+in that returns random numbers of the right shapes, so that most checks go on to their last scene. The checks that join
+all features come first, and the rest is left out once nothing is missing.
 """
 
 from __future__ import annotations
@@ -46,7 +47,12 @@ class _Collector:
 
 def test_no_word_of_the_scene_language_is_left_to_nobody() -> None:
     schemes, collector = RefimplEngine.schemes, _Collector()
-    for case in runner.select([], "quick", ["refimpl"]):
+    declared = {word for one in RefimplEngine.capabilities for word in one.words}
+    cases = runner.select([], "quick", ["refimpl"])
+    first = {case.check: case for case in reversed(cases)}
+    for case in sorted(cases, key=lambda case: (runner.find(case.check).features is None, case != first[case.check])):
+        if declared <= collector.words:
+            break
         check = runner.find(case.check)
         variant = next(one for one in check.offered(schemes) if one.name == case.variant)
         laboratory = Laboratory("refimpl", schemes, cast(Pool, collector), case.name, interpreted=check.interpreted)
@@ -55,5 +61,4 @@ def test_no_word_of_the_scene_language_is_left_to_nobody() -> None:
                 check.judge(laboratory, variant.value)
             except Exception:  # whatever a check makes of random numbers
                 continue
-    declared = {word for one in RefimplEngine.capabilities for word in one.words}
     assert sorted(declared - collector.words) == []

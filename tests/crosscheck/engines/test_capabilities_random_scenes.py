@@ -15,23 +15,12 @@ from crosscheck.errors import Unsupported, UsageError
 from crosscheck.scene import Method, Scene
 
 STEPPING = ("gravity", "lennard_jones", "spring", "hard_spheres")
-#: Schemes of `refimpl` that run without compilation; kernels with instructions of the machine do not.
+#: Schemes of `refimpl` by the kind of scene.
 READABLE = {
     "stepping": ("velocity_verlet", "verlet", "gear4", "leapfrog"),
     "hard_spheres": ("event_driven_naive", "velocity_verlet", "leapfrog"),
     "lattice_gas": ("lattice_lookup", "lattice_numpy", "lattice_boltzmann"),
 }
-
-
-@pytest.fixture(scope="module")
-def readable() -> Iterator[Worker]:
-    """`refimpl` as plain Python."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NUMBA_DISABLE_JIT", "1")
-        worker = Worker("refimpl", time_limit=60)
-        worker.version()  # starts the process
-    yield worker
-    worker.close()
 
 
 @pytest.fixture(scope="module", params=["ase", "rebound"])
@@ -64,14 +53,14 @@ def try_out(worker: Worker, tables: tuple[Table, Table]) -> None:
 
 @settings(max_examples=60)
 @given(runs(("spring", "gravity", "hard_spheres", "lattice_gas"), READABLE))
-def test_refimpl_as_plain_python(readable: Worker, tables: tuple[Table, Table]) -> None:
-    try_out(readable, tables)
+def test_refimpl_as_plain_python(interpreted: Worker, tables: tuple[Table, Table]) -> None:
+    try_out(interpreted, tables)
 
 
 @settings(max_examples=25)
 @given(runs(("lennard_jones",), {**SCHEMES, "stepping": ("velocity_verlet",)}))
-def test_fluids_of_refimpl(refimpl: Worker, tables: tuple[Table, Table]) -> None:
-    """Two compilations, 2D and 3D: one species without its own truncation, masses and walls; any box, any output."""
+def test_fluids_of_refimpl(interpreted: Worker, tables: tuple[Table, Table]) -> None:
+    """One species without its own truncation, masses and walls; any box, any output."""
     table, method = tables
     fluid = {name: value for name, value in table["lennard_jones"].items() if name in ("cutoff", "tail_corrections")}
     ends = ["periodic" if end == "wall" else end for end in table.get("box", {}).get("boundaries", ())]
@@ -79,7 +68,7 @@ def test_fluids_of_refimpl(refimpl: Worker, tables: tuple[Table, Table]) -> None
     output = {**table["output"], "observables": ["kinetic_energy", *table["output"]["observables"]]}
     kept = {name: table[name] for name in ("name", "dimension", "duration", "initial", "species") if name in table}
     output["observables"] = list(dict.fromkeys(output["observables"]))
-    try_out(refimpl, ({**kept, **box, "lennard_jones": fluid, "output": output}, method))
+    try_out(interpreted, ({**kept, **box, "lennard_jones": fluid, "output": output}, method))
 
 
 @settings(max_examples=60)

@@ -1,10 +1,10 @@
 """Progress of a run: what is reported and read, and that a run in pieces is the same run, bit for bit."""
 
-import numpy as np
+import in_pieces as in_pieces_file
 import pytest
 
 from crosscheck.engines import progress
-from crosscheck.engines.refimpl import RefimplEngine
+from crosscheck.engines.workers.pool import Worker
 from crosscheck.scene import (
     Box,
     Explicit,
@@ -54,6 +54,14 @@ def test_pieces_grow_until_they_take_long_enough(file, monkeypatch):
     assert progress.read(file) == ("running", 0.5)
 
 
+@pytest.fixture(scope="module")
+def in_pieces():
+    """`refimpl` in pieces of one step or one collision."""
+    worker = Worker(f"{in_pieces_file.__file__}:InPieces", interpreted=True)
+    yield worker
+    worker.close()
+
+
 GAS = Scene(
     name="gas",
     dimension=2,
@@ -90,16 +98,9 @@ SITES = Scene(
 
 
 @pytest.mark.parametrize("scene", [GAS, PLANETS, SITES], ids=lambda scene: scene.name)
-def test_a_run_in_pieces_is_the_same_run(scene, tmp_path, monkeypatch):
-    whole = RefimplEngine().run(scene, scene.method)
-    # pieces of one step, or one collision
-    monkeypatch.setattr(progress, "_SHORT", -1.0)
-    monkeypatch.setattr(progress, "_LONG", np.inf)
-    progress.listen(tmp_path / "progress")
-    try:
-        pieces = RefimplEngine().run(scene, scene.method)
-    finally:
-        progress.listen(None)
+def test_a_run_in_pieces_is_the_same_run(scene, interpreted, in_pieces, tmp_path):
+    whole, pieces = interpreted.run(scene, scene.method), in_pieces.run(scene, scene.method, tmp_path / "progress")
+    assert progress.read(tmp_path / "progress")[0] == "running"
     assert set(whole) == set(pieces)
     for name, values in whole.items():
         assert values.tobytes() == pieces[name].tobytes(), name

@@ -24,8 +24,6 @@ def texts(source: str, operator: str) -> set[str]:
 
 def place(before: ast.AST, after: ast.AST) -> tuple[ast.AST, ast.AST] | None:
     """The smallest two subtrees outside of which both trees are the same; None if there is no difference."""
-    if ast.dump(before) == ast.dump(after):
-        return None
     if type(before) is not type(after):
         return before, after
     differing = []
@@ -36,18 +34,18 @@ def place(before: ast.AST, after: ast.AST) -> tuple[ast.AST, ast.AST] | None:
             return before, after
         for a, b in pairs:
             if isinstance(a, ast.AST) and isinstance(b, ast.AST):
-                if ast.dump(a) != ast.dump(b):
-                    differing.append((a, b))
+                inner = place(a, b)
+                differing += [] if inner is None else [inner]
             elif a != b or type(a) is not type(b):
                 return before, after
-    return place(*differing[0]) if len(differing) == 1 else (before, after)
+    return (before, after) if len(differing) > 1 else next(iter(differing), None)
 
 
 @pytest.mark.parametrize("path", ["events/rules.py", "lattice/kernels/planes.py", "stepping/schemes.py"])
 def test_a_mutant_is_python_and_differs_in_one_place(path: str) -> None:
     source = Source((Path(refimpl.__path__[0]) / path).read_text())
     found = mutations(source, OPERATORS | COST_OPERATORS)
-    for one in random.Random(1).sample(found, 120):
+    for one in random.Random(1).sample(found, 60):
         tree = ast.parse(source.replaced(one.start, one.end, one.text))
         changed = place(source.tree, tree)
         assert changed is not None, one

@@ -1,19 +1,25 @@
 """Which pictures there are of what was measured on cells, and what is in them."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hard_disks import EVENTS, disks
 
 from crosscheck.engines.protocol import Run, shapes
-from crosscheck.engines.refimpl import RefimplEngine
 from crosscheck.scene import Box, Explicit, LatticeGas, Obstacle, Occupations, Output, Scene
 from crosscheck.simulate.observables import Result, observables
 from crosscheck.simulate.panels import Map, Profile, draw_panel, limits_of_maps, panels
 from crosscheck.simulate.picture import draw_picture
 
 
-def on(fields, dimension=2):
-    """Two disks, or spheres, that fly through cells, and a run of them."""
+@pytest.fixture
+def on(interpreted):
+    """Two disks, or spheres, that fly through cells, and a run of them: by the cells and the dimension."""
+    return partial(fly, interpreted)
+
+
+def fly(worker, fields, dimension=2):
     box = (10.0, 5.0, 8.0)[:dimension]
     rows = ((2.0, 1.0, 1.0), (8.0, 4.0, 5.0)), ((0.5, 0.25, 1.0), (0.0, -1.0, 0.5))
     positions, velocities = (tuple(row[:dimension] for row in part) for part in rows)
@@ -24,7 +30,7 @@ def on(fields, dimension=2):
         output=Output(interval=1.0, fields=fields),
         duration=20.0,
     )
-    return scene, RefimplEngine().run(scene, EVENTS)
+    return scene, worker.run(scene, EVENTS)
 
 
 def gas(**output):
@@ -43,7 +49,7 @@ def gas(**output):
     return scene, run
 
 
-def test_cells_along_one_axis_are_profiles():
+def test_cells_along_one_axis_are_profiles(on):
     found = panels(*on((4, 1)))
     assert [(type(one), one.label) for one in found] == [
         (Profile, "temperature"), (Profile, "density"), (Profile, "velocity"), (Profile, "energy flux"),
@@ -53,13 +59,13 @@ def test_cells_along_one_axis_are_profiles():
     assert list(found[2].lines) == ["v_x", "v_y"]
 
 
-def test_cells_along_two_axes_are_maps():
+def test_cells_along_two_axes_are_maps(on):
     found = panels(*on((4, 2)))
     assert [(type(one), one.values.shape) for one in found] == [(Map, (4, 2)), (Map, (4, 2))]
     assert found[1].arrows is not None
 
 
-def test_cells_along_three_axes_are_averaged_along_one():
+def test_cells_along_three_axes_are_averaged_along_one(on):
     whole = on((4, 2, 3), dimension=3)
     found = panels(*whole)
     assert [one.axes for one in found] == [("x", "z"), ("x", "z")]
@@ -115,7 +121,7 @@ def test_one_colour_scale_for_all_engines():
 
 
 @pytest.mark.parametrize("what", ["profile", "map", "blocks", "wave", "sites", "nothing"])
-def test_every_kind_is_drawn(tmp_path, what):
+def test_every_kind_is_drawn(tmp_path, on, what):
     scene, run = {
         "profile": lambda: on((1, 3)),
         "map": lambda: on((4, 2)),
@@ -139,7 +145,7 @@ def test_a_map_without_numbers_is_drawn():
     assert axes.get_title() == "refimpl: density"
 
 
-def test_a_name_with_dollar_signs_is_drawn(tmp_path):
+def test_a_name_with_dollar_signs_is_drawn(tmp_path, on):
     scene, run = on((4, 2))
     named = scene.changed(name="a $\\foo$ of " + "many words " * 14)
     result = Result("refimpl", "1", run, observables(named, run))

@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 from hard_disks import EVENTS, disks
 
-from crosscheck.engines.refimpl import RefimplEngine
-from crosscheck.scene import Box, Explicit, LatticeGas, Occupations, Output, Scene
+from crosscheck.scene import Box, Explicit, LatticeGas, Method, Occupations, Output, Scene
 from crosscheck.simulate.profiles import cell_edges, on_blocks, on_cells
 
 
-def ran(scene):
-    return RefimplEngine().run(scene, EVENTS)
+@pytest.fixture
+def ran(interpreted):
+    """Runs a scene of hard disks."""
+    return lambda scene: interpreted.run(scene, EVENTS)
 
 
-def test_two_free_particles_in_two_cells():
+def test_two_free_particles_in_two_cells(ran):
     """Each stays in its half of the box: n = 1/(cell), its velocity, and T = 0, since it is alone."""
     scene = disks(
         duration=2.0,
@@ -30,7 +31,7 @@ def test_two_free_particles_in_two_cells():
     assert found["energy_flux.x"] == pytest.approx([0.0, 0.0])
 
 
-def test_flux_through_a_face():
+def test_flux_through_a_face(ran):
     """A particle of energy 2 crosses the face at x = 5 once in 4 units of time: 2/(4 * 5)."""
     scene = disks(
         duration=4.0,
@@ -44,7 +45,7 @@ def test_flux_through_a_face():
     assert found["density"].values.mean() == pytest.approx(2 / 50)
 
 
-def test_temperature_of_two_that_pass():
+def test_temperature_of_two_that_pass(ran):
     """Two particles with velocities +1 and -1 along y in one cell: <v> = 0, T = <v^2>/2 = 1/2."""
     scene = disks(
         duration=1.0,
@@ -60,7 +61,7 @@ def test_temperature_of_two_that_pass():
     assert found["thermal_energy"].values.item() == pytest.approx(0.375)
 
 
-def test_a_run_that_stops_has_the_density_of_its_own_time():
+def test_a_run_that_stops_has_the_density_of_its_own_time(ran):
     scene = disks(
         duration=1e9,
         box=Box(lengths=(10.0, 5.0)),
@@ -72,7 +73,7 @@ def test_a_run_that_stops_has_the_density_of_its_own_time():
     assert on_cells(scene, run)["density"].values.mean() == pytest.approx(2 / 50)
 
 
-def test_flow_of_a_lattice_gas():
+def test_flow_of_a_lattice_gas(interpreted):
     scene = Scene(
         name="flow",
         dimension=2,
@@ -81,9 +82,7 @@ def test_flow_of_a_lattice_gas():
         initial=Occupations(kind="occupations", channels=(1.0, 0.0, 0.0, 0.0), seed=1),
         output=Output(interval=1, observables=("populations",), fields=(2, 1)),
     )
-    from crosscheck.engines.refimpl.lattice import run_lattice
-
-    found = on_blocks(scene, run_lattice(scene, "lattice_numpy", "plain.PlainGas"))
+    found = on_blocks(scene, interpreted.run(scene, Method(scheme="lattice_numpy")))
     assert {name: one.values.shape for name, one in found.items()} == dict.fromkeys(found, (3, 2, 1))
     assert np.unique(found["density"].values) == [1.0]
     speed = np.hypot(found["velocity.x"].values, found["velocity.y"].values)

@@ -186,9 +186,9 @@ def test_what_the_engine_runs() -> None:
 LOW = HardSpheres(restitution=0.05)
 
 
-def test_two_disks_that_meet(refimpl: Worker) -> None:
+def test_two_disks_that_meet(interpreted: Worker) -> None:
     output = Output(interval=1.0, observables=("kinetic_energy", "potential_energy", "collisions"), trajectory=True)
-    run = refimpl.run(disks(hard_spheres=LOW, output=output), EVENTS)
+    run = interpreted.run(disks(hard_spheres=LOW, output=output), EVENTS)
     # contact at t = 2; then v_1 = (1 - alpha)/2, v_2 = (1 + alpha)/2
     np.testing.assert_array_equal(run["time"], [0, 1, 2, 3, 4])
     x = run["positions"][:, :, 0]
@@ -202,15 +202,15 @@ def test_two_disks_that_meet(refimpl: Worker) -> None:
     assert run.cost.events > 0
 
 
-def test_samples_at_collisions(refimpl: Worker) -> None:
+def test_samples_at_collisions(interpreted: Worker) -> None:
     scene = disks(hard_spheres=LOW, output=Output(collisions=(1, 2), trajectory=True))
-    run = refimpl.run(scene, EVENTS)
+    run = interpreted.run(scene, EVENTS)
     np.testing.assert_allclose(run["time"], [0, 2, np.nan], rtol=1e-15)
     np.testing.assert_allclose(run["velocities"][1, :, 0], [0.475, 0.525], rtol=1e-15)
     assert np.isnan(run["positions"][2]).all()
     assert run.stopped == "the duration, 4, is over before pair collision 2"
     np.testing.assert_allclose(run["final_positions"][:, 0], [2.95, 4.05], rtol=1e-15)
-    reached = refimpl.run(scene.changed(output=Output(collisions=(1,))), EVENTS)
+    reached = interpreted.run(scene.changed(output=Output(collisions=(1,))), EVENTS)
     assert reached.stopped == ""
     np.testing.assert_allclose(reached["final_positions"][:, 0], [2, 3], rtol=1e-15)
 
@@ -255,7 +255,7 @@ def test_an_inelastic_collapse_is_told(
     assert run.cost.events == 7
 
 
-def test_the_naive_algorithm_agrees_with_the_fast_one(refimpl: Worker) -> None:
+def test_the_naive_algorithm_agrees_with_the_fast_one(interpreted: Worker) -> None:
     scene = disks(
         duration=3.0,
         acceleration=(0.0, -1.0),
@@ -268,7 +268,7 @@ def test_the_naive_algorithm_agrees_with_the_fast_one(refimpl: Worker) -> None:
             trajectory=True,
         ),
     )
-    fast, naive = (refimpl.run(scene, method) for method in (EVENTS, NAIVE))
+    fast, naive = (interpreted.run(scene, method) for method in (EVENTS, NAIVE))
     # some tens of collisions, each of which multiplies a rounding by about the mean free path in diameters
     for name in ("positions", "velocities", "angular_velocities", "kinetic_energy", "potential_energy"):
         np.testing.assert_allclose(naive[name], fast[name], atol=1e-6)
@@ -281,7 +281,7 @@ def test_the_naive_algorithm_agrees_with_the_fast_one(refimpl: Worker) -> None:
     np.testing.assert_allclose(fast["potential_energy"], fast["positions"][:, :, 1].sum(axis=1), rtol=1e-13)
 
 
-def test_wells_count_in_the_energy_of_the_naive_algorithm(refimpl: Worker) -> None:
+def test_wells_count_in_the_energy_of_the_naive_algorithm(interpreted: Worker) -> None:
     scene = disks(
         duration=2.0,
         hard_spheres=HardSpheres(well=Well(depth=1.0, range=1.5)),
@@ -289,7 +289,7 @@ def test_wells_count_in_the_energy_of_the_naive_algorithm(refimpl: Worker) -> No
         initial=Lattice(kind="lattice", structure="square", number=20, temperature=1.0, seed=2),
         output=Output(interval=0.25, observables=("kinetic_energy", "potential_energy")),
     )
-    run = refimpl.run(scene, NAIVE)
+    run = interpreted.run(scene, NAIVE)
     assert len(set(run["potential_energy"])) > 2
     np.testing.assert_allclose(
         run["kinetic_energy"] + run["potential_energy"],
@@ -298,7 +298,7 @@ def test_wells_count_in_the_energy_of_the_naive_algorithm(refimpl: Worker) -> No
     )
 
 
-def test_tallies_and_fields_balance(refimpl: Worker) -> None:
+def test_tallies_and_fields_balance(interpreted: Worker) -> None:
     names = ("wall_impulse", "wall_energy", "wall_collisions", "kinetic_energy_integral", "operation_counts", "events")
     scene = disks(
         duration=10.0,
@@ -310,7 +310,7 @@ def test_tallies_and_fields_balance(refimpl: Worker) -> None:
         initial=Lattice(kind="lattice", structure="square", number=30, temperature=1.0, seed=3),
         output=Output(interval=2.0, observables=("kinetic_energy", *names), trajectory=True, fields=(4, 3)),
     )
-    run = refimpl.run(scene, EVENTS)
+    run = interpreted.run(scene, EVENTS)
     tallies = run
     momentum = run["velocities"].sum(axis=1)
     scale = np.abs(run["velocities"]).sum()
@@ -329,13 +329,13 @@ def test_tallies_and_fields_balance(refimpl: Worker) -> None:
     np.testing.assert_allclose(tallies["field_final_momentum"].sum(axis=(0, 1)), momentum[-1], atol=1e-14 * scale)
 
 
-def test_what_only_the_algorithm_can_tell_is_about_the_scene(refimpl: Worker) -> None:
+def test_what_only_the_algorithm_can_tell_is_about_the_scene(interpreted: Worker) -> None:
     # cells for fields must not be smaller than a disk
     box = Box(lengths=(12.0, 9.0), boundaries=("hard", "hard"))
     lattice = Lattice(kind="lattice", structure="square", number=30, temperature=1.0, seed=3)
     scene = disks(box=box, initial=lattice, output=Output(fields=(13, 3)))
     with pytest.raises(UsageError, match=r"scene disks: fields: cells of side 0.923077 along axis 0 are smaller"):
-        refimpl.run(scene, EVENTS)
+        interpreted.run(scene, EVENTS)
 
 
 # -- what a user must know --------------------------------------------------------------------------------
@@ -358,10 +358,10 @@ def ring(order: int) -> Scene:
     )
 
 
-@pytest.mark.parametrize("scheduler", ["tree", "naive"])
-def test_simultaneous_events_of_one_particle_are_told(scheduler: str) -> None:
+@pytest.mark.parametrize("method", [EVENTS, NAIVE], ids=lambda method: method.scheme)
+def test_simultaneous_events_of_one_particle_are_told(interpreted: Worker, method: Method) -> None:
     """The same ring in another order of the beads: another outcome, of which the run warns."""
-    runs = [run_events(ring(order), scheduler) for order in (1, -1)]
+    runs = [interpreted.run(ring(order), method) for order in (1, -1)]
     for run in runs:
         (remark,) = run.remarks
         assert "at the same time, within rounding, as another one of the same particle, the first at t = 0.9:" in remark
@@ -372,5 +372,5 @@ def test_simultaneous_events_of_one_particle_are_told(scheduler: str) -> None:
     assert np.abs(runs[0]["final_velocities"][0] - runs[1]["final_velocities"][0]).max() > 0.01
 
 
-def test_an_ordinary_run_has_no_remarks() -> None:
-    assert run_events(disks(), "tree").remarks == ()
+def test_an_ordinary_run_has_no_remarks(interpreted: Worker) -> None:
+    assert not interpreted.run(disks(), EVENTS).remarks

@@ -90,13 +90,13 @@ def three(vectors: Any) -> np.ndarray:
 
 
 @pytest.mark.parametrize("alpha", [1.0, 0.8, 0.3])
-def test_head_on(refimpl: Worker, alpha: float) -> None:
+def test_head_on(interpreted: Worker, alpha: float) -> None:
     """Unlike masses and sizes; the second pair across an edge of the box. Momentum to round-off, t_c to a step."""
     x, v = np.zeros((4, 2)), np.zeros((4, 2))
     x[:2, 0], x[2:, 0] = (2.0, 2.75 + 1e-3), (6.9, 7.65 + 1e-3 - 8)
     x[:2, 1], x[2:, 1] = 1.0, 3.0
     v[[0, 2], 0], v[:, 1] = 1.0, 0.25
-    run = refimpl.run(
+    run = interpreted.run(
         scene(
             x,
             v,
@@ -151,11 +151,11 @@ def slip(velocities: np.ndarray, spins: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     ("friction", "alpha_t"), [("history", 0.6), ("history", 0.0), ("history", -0.9), ("dashpot", 0.6), ("dashpot", 0.1)]
 )
-def test_a_contact_that_sticks(refimpl: Worker, dimension: int, friction: Any, alpha_t: float) -> None:
+def test_a_contact_that_sticks(interpreted: Worker, dimension: int, friction: Any, alpha_t: float) -> None:
     x, v, spins = oblique(dimension, 0.9, 0.7)
     rough = GrainFriction(tangential_restitution=alpha_t, inertia=0.3)
     method = Method(scheme="velocity_verlet", contact=Contact(duration=T_C, resolution=1 / STEPS, friction=friction))
-    run = refimpl.run(scene(x, v, spins, hard_spheres=HardSpheres(restitution=0.8, friction=rough)), method)
+    run = interpreted.run(scene(x, v, spins, hard_spheres=HardSpheres(restitution=0.8, friction=rough)), method)
     parting = run["final_velocities"][1, 0] - run["final_velocities"][0, 0]
     assert parting == pytest.approx(0.8, abs=normal_error(0.8) + turned(v))
     before, after = slip(v, spins), slip(run["final_velocities"], run["final_angular_velocities"])
@@ -168,7 +168,7 @@ def test_a_contact_that_sticks(refimpl: Worker, dimension: int, friction: Any, a
 
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize(("friction", "alpha_t"), [("history", -0.5), ("dashpot", 0.1)])
-def test_a_contact_that_slides(refimpl: Worker, dimension: int, friction: Any, alpha_t: float) -> None:
+def test_a_contact_that_slides(interpreted: Worker, dimension: int, friction: Any, alpha_t: float) -> None:
     """J_t = mu J_n of elastic grains, whose F_n never attracts: u is so large that k_t u > mu k v, and eta_t u > mu F_n
     throughout.
     """
@@ -176,7 +176,7 @@ def test_a_contact_that_slides(refimpl: Worker, dimension: int, friction: Any, a
     mu, q = 0.2, 0.5 if dimension == 2 else 0.4
     rough = GrainFriction(tangential_restitution=alpha_t, static=mu, sliding=mu)
     method = Method(scheme="velocity_verlet", contact=Contact(duration=T_C, resolution=1 / STEPS, friction=friction))
-    run = refimpl.run(scene(x, v, spins, hard_spheres=HardSpheres(friction=rough)), method)
+    run = interpreted.run(scene(x, v, spins, hard_spheres=HardSpheres(friction=rough)), method)
     before, after = slip(v, spins), slip(run["final_velocities"], run["final_angular_velocities"])
     expected = before - mu * (1 + 1 / q) * 2 * before / np.linalg.norm(before)
     np.testing.assert_allclose(after, expected, atol=normal_error(1.0) * mu * (1 + 1 / q) + turned(v))
@@ -186,7 +186,7 @@ def test_a_contact_that_slides(refimpl: Worker, dimension: int, friction: Any, a
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_every_face(refimpl: Worker, dimension: int) -> None:
+def test_every_face(interpreted: Worker, dimension: int) -> None:
     """A grain sticks to each face, with the face's restitutions; the faces get what the grains lose, to round-off."""
     names = [f"{axis}{side}" for axis in "xyz"[:dimension] for side in "-+"]
     alphas, alphas_t = np.linspace(0.5, 1.0, len(names)), np.linspace(-0.8, 0.9, len(names))
@@ -203,7 +203,7 @@ def test_every_face(refimpl: Worker, dimension: int) -> None:
         x[i] += 0.8 * (-1) ** i * (np.arange(dimension) != axis)
         x[i, axis] = side - 0.5 - 1e-3 if upper else 0.5 + 1e-3
         v[i, axis] = 1.0 if upper else -1.0
-    run = refimpl.run(
+    run = interpreted.run(
         scene(
             x,
             v,
@@ -234,7 +234,7 @@ def test_every_face(refimpl: Worker, dimension: int) -> None:
 
 @pytest.mark.parametrize("face", ["x-", "x+"])
 @pytest.mark.parametrize("phase", [0.3, 4.0])
-def test_oscillating_face(refimpl: Worker, face: str, phase: float) -> None:
+def test_oscillating_face(interpreted: Worker, face: str, phase: float) -> None:
     """v' = (1 + alpha) V - alpha v, V the wall's velocity into the box, which changes by a omega^2 t_c at most."""
     amplitude, frequency, alpha, side = 0.05, 20.0, 0.7, 5.0
     wall = Face(restitution=alpha, oscillation=Oscillation(amplitude=amplitude, frequency=frequency, phase=phase))
@@ -242,7 +242,7 @@ def test_oscillating_face(refimpl: Worker, face: str, phase: float) -> None:
     into = 1 if face == "x-" else -1
     start = 0.5 + place + 1e-3
     x, v = np.array([[start if into > 0 else side - start, 2.0]]), np.array([[into * (speed - 1.0), 0.0]])
-    run = refimpl.run(
+    run = interpreted.run(
         scene(
             x,
             v,
@@ -260,7 +260,7 @@ def test_oscillating_face(refimpl: Worker, face: str, phase: float) -> None:
 
 
 @pytest.mark.parametrize(("dimension", "axis"), [(2, None), (3, "x"), (3, "y"), (3, "z")])
-def test_turning_cylinder(refimpl: Worker, dimension: int, axis: Any) -> None:
+def test_turning_cylinder(interpreted: Worker, dimension: int, axis: Any) -> None:
     """A grain at rest but for its way outwards sticks to the wall, which turns from the first axis to the second."""
     radius, turn, alpha, alpha_t, q = 3.0, 0.5, 0.8, 0.25, 0.4
     wall = Cylinder(
@@ -278,7 +278,7 @@ def test_turning_cylinder(refimpl: Worker, dimension: int, axis: Any) -> None:
     sideways[[first, second]] = -math.sin(angle), math.cos(angle)
     x = np.full((1, 3), 4.0) + (radius - 0.5 - 1e-3) * outwards
     boundaries = tuple("periodic" if k == along else "open" for k in range(dimension))
-    run = refimpl.run(
+    run = interpreted.run(
         scene(
             x[:, :dimension],
             outwards[None, :dimension],
@@ -303,7 +303,7 @@ def test_turning_cylinder(refimpl: Worker, dimension: int, axis: Any) -> None:
     assert run["wall_torque"][-1] == pytest.approx(sense * (moment + spin), abs=1e3 * EPSILON)
 
 
-def test_a_grain_that_rests_in_its_contact(refimpl: Worker) -> None:
+def test_a_grain_that_rests_in_its_contact(interpreted: Worker) -> None:
     """A ball pushed along its floor, sunk by m g/k, slides and rolls at 5/7 v_0 after 2 v_0/(7 mu g)."""
     mass, radius, k, v, mu = 0.00017671458676442588, 0.0025, 1e4, 1.4, 0.4
     slippery = {"tangential_restitution": 0.0, "static": mu, "sliding": mu}
@@ -323,7 +323,7 @@ def test_a_grain_that_rests_in_its_contact(refimpl: Worker) -> None:
     )
     dt = 1e-5
     method = Method(scheme="velocity_verlet", dt=dt, contact=Contact(stiffness=k))
-    run = refimpl.run(start, method)
+    run = interpreted.run(start, method)
     # at its end the tangential spring swings: w^2 = (1 + 1/q) k_t/m, k_t/k = q/(1 + q) (pi/2)^2/(pi^2 + ln^2 alpha)
     w = math.sqrt(k / mass * (math.pi / 2) ** 2 / (math.pi**2 + math.log(0.5) ** 2))
     swing = mu / w + 7 * mu * dt
@@ -334,13 +334,13 @@ def test_a_grain_that_rests_in_its_contact(refimpl: Worker) -> None:
     assert run["kinetic_energy"][1] == pytest.approx(sliding, abs=mass * v * mu * dt)
     assert run["final_positions"][0, 2] == pytest.approx(radius - mass / k, abs=1e3 * EPSILON * radius)
     with pytest.raises(UsageError, match=r"beyond the wall z- by 1.77e-08"):
-        refimpl.run(start.changed(output=Output()), Method(scheme="event_driven"))
+        interpreted.run(start.changed(output=Output()), Method(scheme="event_driven"))
 
 
 # -- the engine's contract ---------------------------------------------------------------------------------------------
 
 
-def test_what_is_recorded_agrees_with_itself(refimpl: Worker) -> None:
+def test_what_is_recorded_agrees_with_itself(interpreted: Worker) -> None:
     """Samples, energies and spins of a trajectory; sampling changes nothing."""
     rng = np.random.default_rng(3)
     x = np.stack(np.meshgrid(*[np.arange(3)] * 2), axis=-1).reshape(-1, 2) * 1.02 + 1
@@ -358,7 +358,7 @@ def test_what_is_recorded_agrees_with_itself(refimpl: Worker) -> None:
     )
     method = Method(scheme="velocity_verlet", contact=Contact(duration=T_C, resolution=0.02))
     end = Output(interval=40 * T_C, observables=("kinetic_energy",))
-    run, brief = (refimpl.run(what, method) for what in (start, start.changed(output=end)))
+    run, brief = (interpreted.run(what, method) for what in (start, start.changed(output=end)))
     np.testing.assert_array_equal(brief["final_positions"], run["final_positions"])
     np.testing.assert_array_equal(brief["final_angular_velocities"], run["final_angular_velocities"])
     np.testing.assert_allclose(run["time"], 4 * T_C * np.arange(11), rtol=10 * EPSILON)
@@ -374,12 +374,12 @@ def test_what_is_recorded_agrees_with_itself(refimpl: Worker) -> None:
     assert run["collisional_virial"][-1] > 0
 
 
-def test_a_step_far_too_long_diverges(refimpl: Worker) -> None:
+def test_a_step_far_too_long_diverges(interpreted: Worker) -> None:
     x = np.stack(np.meshgrid(*[np.arange(3)] * 2), axis=-1).reshape(-1, 2) * 1.02
     v = np.random.default_rng(1).normal(size=x.shape)
     long = Method(scheme="velocity_verlet", dt=100 * T_C, contact=Contact(duration=T_C))
     output = Output(interval=1.0, observables=("kinetic_energy", "contact_time"))
-    run = refimpl.run(scene(x, v, box=Box(lengths=(3.06, 3.06)), duration=100.0, output=output), long)
+    run = interpreted.run(scene(x, v, box=Box(lengths=(3.06, 3.06)), duration=100.0, output=output), long)
     assert run.diverged
     lost = np.isnan(run["kinetic_energy"])
     assert lost[-1]
@@ -418,16 +418,16 @@ def test_every_scheme_for_grains_asks_for_the_force_once_a_step() -> None:
         )
 
 
-def test_the_worker_asks_for_a_step(refimpl: Worker) -> None:
+def test_the_worker_asks_for_a_step(interpreted: Worker) -> None:
     x, v, spins = oblique(2, 1.0, 0.0)
     with pytest.raises(UsageError, match="dt"):
-        refimpl.run(scene(x, v, spins), Method(scheme="velocity_verlet", contact=Contact(stiffness=1e4)))
+        interpreted.run(scene(x, v, spins), Method(scheme="velocity_verlet", contact=Contact(stiffness=1e4)))
     with pytest.raises(UsageError, match="dt"):
-        refimpl.run(scene(x, v, spins), Method(scheme="velocity_verlet", dt=0.3e-3, contact=Contact(stiffness=1e4)))
+        interpreted.run(scene(x, v, spins), Method(scheme="velocity_verlet", dt=0.3e-3, contact=Contact(stiffness=1e4)))
     with pytest.raises(UsageError, match="remove dt"):
-        refimpl.run(scene(x, v, spins), Method(scheme="event_driven", dt=1e-3))
+        interpreted.run(scene(x, v, spins), Method(scheme="event_driven", dt=1e-3))
     with pytest.raises(Unsupported, match="event-driven scheme"):
-        refimpl.run(scene(x, v, spins), Method(scheme="velocity_verlet", dt=1e-3))
+        interpreted.run(scene(x, v, spins), Method(scheme="velocity_verlet", dt=1e-3))
 
 
 # -- LAMMPS ------------------------------------------------------------------------------------------------------------
