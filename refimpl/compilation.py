@@ -28,6 +28,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Whether kernels run as plain Python.
 INTERPRETED = bool(config.DISABLE_JIT)  # type: ignore[attr-defined]
+if INTERPRETED:  # once for the process: setting it at each call of a kernel took a third of the time of short ones
+    np.seterr(all="ignore")
 
 _implementations: dict[Callable[..., Any], dict[type, Callable[..., Any]]] = {}
 
@@ -37,7 +39,10 @@ def compiled(**options: Any) -> Callable[[Function], Function]:
 
     options: of `numba.njit`.
     """
-    return np.errstate(all="ignore") if INTERPRETED else njit(error_model="numpy", **options)
+    if not INTERPRETED:
+        return njit(error_model="numpy", **options)
+    # a kernel without the lock may run in a thread of its own, where numpy has its settings of the start
+    return np.errstate(all="ignore") if options.get("nogil") else lambda function: function
 
 
 def instruction(plain: Function, **options: Any) -> Callable[[Callable[..., Any]], Function]:

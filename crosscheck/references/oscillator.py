@@ -226,12 +226,12 @@ def numerical_solution(
     """
     kappa, c = np.longdouble(omega0 * dt) ** 2, 2 * np.longdouble(beta) * np.longdouble(dt)
     start, advance, read = (m.astype(np.longdouble) for m in matrices(scheme, kappa, c))
-    state = start @ np.array([r0, np.longdouble(v0) * np.longdouble(dt)], dtype=np.longdouble)
-    out = np.empty((steps + 1, 2), dtype=np.longdouble)
-    out[0] = r0, np.longdouble(v0) * np.longdouble(dt)
-    for n in range(1, steps + 1):
-        state = advance @ state
-        out[n] = read @ state
+    given = np.array([r0, np.longdouble(v0) * np.longdouble(dt)], dtype=np.longdouble)
+    states = (advance @ start @ given)[:, np.newaxis]
+    while states.shape[1] < steps:  # `advance` is the power that leads from these states to the ones after them
+        states = np.hstack([states, advance @ states])
+        advance = advance @ advance
+    out = np.vstack([given, (read @ states[:, :steps]).T])
     return out[:, 0].astype(np.float64), (out[:, 1] / np.longdouble(dt)).astype(np.float64)
 
 

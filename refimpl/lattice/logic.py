@@ -94,6 +94,7 @@ def _mixed(f: int, i: int, j: int, inputs: int) -> int:
     return (f & ~ones) | (swapped & ones)
 
 
+@cache
 def _zeros(variable: int, inputs: int) -> int:
     """Rows of a truth table in which the variable is 0: blocks of 2^variable, every second one."""
     block = (1 << (1 << variable)) - 1

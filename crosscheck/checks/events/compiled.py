@@ -140,10 +140,10 @@ CHECKS = (
                 **{
                     "gas-3d": _Feature(3, "gas"),
                     "hard-walls-2d": _Feature(2, "hard-walls"),
-                    "grains-2d": _Feature(2, "grains"),
                 }
             ),
             *full(
+                **{"grains-2d": _Feature(2, "grains")},
                 **{f"{kind}-{d}d": _Feature(d, kind) for kind in ("everything", "drum", "wells") for d in (2, 3)},
                 **{
                     queue: _Feature(3, "gas", Method(scheme=f"event_driven_{queue}")) for queue in ("lists", "calendar")

@@ -279,5 +279,6 @@ CHECKS = (
             frozenset({"positions", "collisions"}),
         ),
         faults=((EVENT_DRIVEN, _FIRST_IMAGE_ONLY),),
+        interpreted=True,
     ),
 )

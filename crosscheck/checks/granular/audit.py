@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 from crosscheck.checks.base import Check, FeatureRows, Laboratory, Variant
-from crosscheck.checks.granular.audited_scenes import audited_method, audited_scene, possible, simple
+from crosscheck.checks.granular.audited_scenes import RULES, audited_method, audited_scene, simple
 from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
@@ -49,14 +49,14 @@ def rows(seed: int = 0) -> tuple[list[Row], set[Pair]]:
 
     seed: another one gives other rows.
     """
-    return covering(FACTORS, (possible,), seed)
+    return covering(FACTORS, RULES, seed)
 
 
 @cache
 def simple_rows() -> tuple[list[Row], set[Pair]]:
     """Few rows for engines that measure less: no potential energy, and no feature that a code of today lacks."""
     fewer = {name: simple(name, levels) for name, levels in FACTORS.items()}
-    return covering(fewer, (possible,))
+    return covering(fewer, RULES)
 
 
 def _named(row: Row) -> str:

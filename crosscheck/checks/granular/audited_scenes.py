@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.pairs import Row
+from crosscheck.pairs import Row, Rule
 from crosscheck.scene import AXES, Contact, Method, Scene
 from crosscheck.scene.parts import (
     Box,
@@ -36,37 +36,38 @@ _RATE, _HERTZ_RATE = 6.0, 50.0
 _WALLS = ("walls", "lower oscillates", "upper oscillates")
 
 
+_OWN = ("own hooke", "own hertz", "moduli")
+#: What the features of one scene must obey. Many small rules, not one: each is tried as soon as its features are
+#: chosen, so that what cannot be is given up early.
+RULES: tuple[Rule, ...] = (
+    lambda row: row["dimension"] != "2" or row["crowd"] != "long in z",
+    lambda row: row["dimension"] != "2" or row["z"] == "open",
+    lambda row: row["dimension"] != "2" or row["cylinder"] not in ("about x", "about y"),
+    *(lambda row, axis=axis: row["cylinder"] in ("none", f"about {axis}") or row[axis] == "open" for axis in AXES),
+    lambda row: row["turning"] == "none" or row["cylinder"] != "none",
+    lambda row: row["turning"] == "none" or row["surfaces"] != "smooth",
+    lambda row: row["friction"] != "none" or row["inertia"] != "given",
+    lambda row: row["friction"] != "none" or row["turning"] == "none",
+    lambda row: row["friction"] != "none" or row["surfaces"] != "smooth",
+    # has no closed form for a tangential restitution
+    lambda row: row["friction"] == "none" or row["law"] != "hertz",
+    lambda row: (
+        row["surfaces"] == "like grains" or row["cylinder"] != "none" or any(row[axis] in _WALLS for axis in AXES)
+    ),
+    lambda row: row["surfaces"] != "others" or row["damping"] != "rates" or row["friction"] != "none",
+    lambda row: row["damping"] != "rates" or row["law"] in _OWN,
+    lambda row: "dashpot" not in row["friction"] or row["law"] != "moduli",
+    lambda row: "dashpot" not in row["friction"] or row["law"] not in _OWN or row["damping"] == "rates",
+    # along open axes
+    lambda row: row["start"] != "one far away" or row["cylinder"] == "none",
+    lambda row: row["start"] != "one far away" or any(row[axis] == "open" for axis in AXES[: int(row["dimension"])]),
+    lambda row: row["start"] != "in other images" or any(row[axis] == "periodic" for axis in AXES),
+)
+
+
 def possible(row: Row) -> bool:
     """Whether there is a scene with these features. row: levels of all factors of `granular/audit`."""
-    plane, own = row["dimension"] == "2", row["law"] in ("own hooke", "own hertz", "moduli")
-    walls = any(row[axis] in _WALLS for axis in AXES) or row["cylinder"] != "none"
-    if plane and row["crowd"] == "long in z":
-        return False
-    if plane and (row["z"] != "open" or row["cylinder"] in ("about x", "about y")):
-        return False
-    if row["cylinder"] != "none":
-        if any(row[axis] != "open" for axis in AXES if row["cylinder"] != f"about {axis}"):
-            return False
-    elif row["turning"] != "none":
-        return False
-    if row["friction"] == "none":
-        if row["inertia"] == "given" or row["turning"] != "none" or row["surfaces"] == "smooth":
-            return False
-    elif row["law"] == "hertz":  # has no closed form for a tangential restitution
-        return False
-    if row["turning"] != "none" and row["surfaces"] == "smooth":
-        return False
-    if row["surfaces"] != "like grains" and not walls:
-        return False
-    if row["surfaces"] == "others" and row["damping"] == "rates" and row["friction"] == "none":
-        return False
-    if row["damping"] == "rates" and not own:
-        return False
-    if own and "dashpot" in row["friction"] and (row["damping"] != "rates" or row["law"] == "moduli"):
-        return False
-    if row["start"] == "one far away":  # along open axes
-        return row["cylinder"] == "none" and any(row[axis] == "open" for axis in AXES[: int(row["dimension"])])
-    return row["start"] != "in other images" or any(row[axis] == "periodic" for axis in AXES)
+    return all(rule(row) for rule in RULES)
 
 
 def simple(factor: str, levels: tuple[str, ...]) -> tuple[str, ...]:

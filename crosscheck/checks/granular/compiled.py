@@ -89,11 +89,16 @@ CHECKS = (
             *quick(
                 **{
                     "smooth-disks": _Grains(2, False),
-                    "rough-disks": _Grains(2, True),
                     "rough-spheres": _Grains(3, True),
                 }
             ),
-            *full(**{"smooth-spheres": _Grains(3, False, True), "energies": _Grains(2, True, True)}),
+            *full(
+                **{
+                    "rough-disks": _Grains(2, True),
+                    "smooth-spheres": _Grains(3, False, True),
+                    "energies": _Grains(2, True, True),
+                }
+            ),
         ),
         needs=interpretable(soft_needs("method.contact.law=hertz", " ".join(_TALLIES))),
         faults=(

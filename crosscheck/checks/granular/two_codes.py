@@ -211,7 +211,12 @@ CHECKS = (
         variants=(
             *variants_of({pairs.name: pairs for pairs in TWO_CODES}, "full"),
             *(
-                Variant(pairs.name, pairs, needs=contact_needs(Contact(**pairs.own)))
+                Variant(
+                    pairs.name,
+                    pairs,
+                    "full" if pairs in PLANE_COEFFICIENTS else "quick",
+                    contact_needs(Contact(**pairs.own)),
+                )
                 for pairs in (*OWN_COEFFICIENTS, *PLANE_COEFFICIENTS, *BEGUN)
                 if pairs.own is not None
             ),

@@ -75,9 +75,7 @@ CHECKS = (
         criterion=f"fitted order = claimed, at most 2, +- {ORDER_TOLERANCE} or twice the departure of local slopes",
         citation="Allen & Tildesley, Computer Simulation of Liquids (1987), section 3.2",
         judge=_judge,
-        variants=schemes_with(
-            lambda name, claims: claims.order is not None, tier_beside_audits("velocity_verlet", "gear5")
-        ),
+        variants=schemes_with(lambda name, claims: claims.order is not None, tier_beside_audits("velocity_verlet")),
         faults=(
             (
                 "velocity_verlet",

@@ -21,6 +21,7 @@ from refimpl.lattice.kernels.words import (
     collided,
     lanes,
     load,
+    ones,
     population,
     pushed,
     reflected,
@@ -190,15 +191,6 @@ def advance(  # type: ignore[no-untyped-def]
     passes[first] += computed
 
 
-@register_jitable
-def _ones(word):  # type: ignore[no-untyped-def]
-    """Bits set in a word of 64."""
-    word = word - ((word >> np.uint64(1)) & np.uint64(0x5555555555555555))
-    word = (word & np.uint64(0x3333333333333333)) + ((word >> np.uint64(2)) & np.uint64(0x3333333333333333))
-    word = (word + (word >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
-    return np.int64((word * np.uint64(0x0101010101010101)) >> np.uint64(56))
-
-
 @compiled(cache=True, nogil=True)
 def populations(planes, counts, shape):  # type: ignore[no-untyped-def]
     """Particles of each block and channel, added to counts (blocks in y, blocks in x, b): equal blocks."""
@@ -218,5 +210,5 @@ def populations(planes, counts, shape):  # type: ignore[no-untyped-def]
                         word = (word >> np.uint64(start % 64)) << np.uint64(start % 64)
                     if k == last:
                         word = word << np.uint64(63 - (end - 1) % 64)
-                    total += _ones(word)
+                    total += ones(word)
                 counts[row // tall, block, channel] += total

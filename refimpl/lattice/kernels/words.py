@@ -237,6 +237,12 @@ def population(typing: Any, value: Any) -> Any:
     return types.int64(wide), code
 
 
+@instruction(lambda word: int(word).bit_count())
+def ones(typing: Any, word: Any) -> Any:
+    """Bits set in a word of 64."""
+    return types.int64(types.uint64), lambda context, builder, sig, args: builder.ctpop(args[0])
+
+
 # -- what a model does to wide words -----------------------------------------------------------------------------
 
 
