@@ -71,8 +71,8 @@ CHECKS = (
         criterion="each number to its rounding",
         citation="Alder & Wainwright, J. Chem. Phys. 31, 459 (1959)",
         judge=_judge,
-        # the event for which there is no room is, in `refimpl`, one that the large disk keeps, or one that it is kept in
-        variants=quick(**{"kept": 3, "partner": 7}),
+        # the event for which there is no room: in `refimpl`, the large disk is its first or its second partner
+        variants=quick(first=3, second=10),
         needs=event_driven(
             "dimension=2 hard_spheres.diameter[] hard_spheres.well masses[] box.boundaries=periodic",
             "positions velocities kinetic_energy potential_energy "
@@ -81,7 +81,7 @@ CHECKS = (
         interpreted=True,
         faults=(
             (
-                "kept",
+                "first",
                 Fault(
                     "partners-forgotten",
                     "events/simulation.py",
