@@ -1,4 +1,4 @@
-"""Random numbers as SplitMix64 draws them, and what a random wall makes of them, in exact integers.
+"""Random numbers as SplitMix64 draws them (Steele, Lea and Flood 2014), and what walls make of them, in integers.
 
 The number of a draw is a hash of what it is for, so anybody can compute it again: the seed, the particle, the number of
 its hits on walls before, and the number of the draw at this hit, each taken up by one step of the sequence,

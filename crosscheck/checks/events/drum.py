@@ -41,7 +41,7 @@ def drum_scene(seed: int, contact: float) -> Scene:
     return Scene(
         name="drum",
         dimension=2,
-        duration=300.0,
+        duration=420.0,
         acceleration=(0.0, -1.0),
         hard_spheres=HardSpheres(
             restitution=0.6,
@@ -150,7 +150,7 @@ def _judge_drum(laboratory: Laboratory, contact: float) -> Judged:
 
 
 def _mean_angle(positions: Floats, middle: Floats) -> Mean:
-    """Over stretches of the samples, (samples, N, 2), each half a turn of the drum; with their drift."""
+    """Over stretches of the samples, (samples, N, 2), each more than half a turn of the drum; with their drift."""
     angles = fall_angles(positions, middle)
     each = angles.size // STRETCHES
     return mean_of_stretches(angles[: each * STRETCHES].reshape(STRETCHES, each).mean(axis=1))

@@ -27,6 +27,8 @@ from crosscheck.verdict import Judged, worst
 _Law = Literal["history", "dashpot"]
 #: Contact times of soft grains, and the tangential laws that they are run with.
 _DURATIONS = (0.04, 0.02)
+#: Duration of these runs: their limit at t_c = 0 has an error several times that of a run.
+_SOFT_DURATION = 600.0
 _LAWS: tuple[_Law, ...] = ("history", "dashpot")
 #: Contact times of the TC model, in the event-driven runs.
 _TC_DURATIONS = (4e-4, 2e-4, 1e-4)
@@ -89,7 +91,7 @@ def _runs(laboratory: Laboratory) -> _Runs:
         law: [
             run_whole(
                 laboratory,
-                _drum(laboratory.seed(f"{law}-{part}"), None, 450.0),
+                _drum(laboratory.seed(f"{law}-{part}"), None, _SOFT_DURATION),
                 soft(duration=t_c, resolution=1 / 25, friction=law),
             )
             for part, t_c in enumerate(_DURATIONS)
@@ -165,7 +167,7 @@ def _judge_drum(laboratory: Laboratory, _: str) -> Judged:
     ]
     if laboratory.engine != REFERENCE:
         # two codes with the same law must agree within standard errors alone
-        again = _drum(laboratory.seed("refimpl"), None, 450.0)
+        again = _drum(laboratory.seed("refimpl"), None, _SOFT_DURATION)
         twin = _measured_drum(
             run_whole(laboratory, again, soft(duration=_DURATIONS[0], resolution=1 / 25), REFERENCE)
         ).angle
