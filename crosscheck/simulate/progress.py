@@ -29,7 +29,11 @@ class Lines:
         self._next = _FIRST
 
     def line(self, now: float, stage: str, share: float | None) -> str | None:
-        """A line to print now, or None. now: time since the start, s. stage, share: as `engines.progress.read`."""
+        """A line to print now, or None. now: time since the start, s. stage, share: as `engines.progress.read`.
+
+        None until the engine says what it does: whether it can run the scene is being asked, and where it cannot, one
+        line says so, with none before it.
+        """
         if stage != self._stage:
             self._stage, self._since = stage, now
             if share is not None:
@@ -39,11 +43,10 @@ class Lines:
                 return None
             self._next *= 2
             return f"{self._engine}: {share:.3%} done, {left(share, now - self._started)}"
-        what = stage or "preparing the start"
-        if now - self._since < _PATIENCE or what in self._said:
+        if not stage or now - self._since < _PATIENCE or stage in self._said:
             return None
-        self._said.add(what)
-        return f"{self._engine}: {what} ..."
+        self._said.add(stage)
+        return f"{self._engine}: {stage} ..."
 
 
 def left(share: float, elapsed: float) -> str:
@@ -93,7 +96,7 @@ def _bar(engine: str, file: Path, over: threading.Event) -> None:
         while not over.wait(_LOOK):
             stage, share = read(file)
             if share is None:
-                bar.update(task, description=f"{engine}: {stage or 'preparing the start'} ...")
+                bar.update(task, description=f"{engine}: {stage or 'starting'} ...")
                 continue
             started = started or time.monotonic()
             remaining = left(share, time.monotonic() - started)

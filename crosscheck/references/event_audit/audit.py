@@ -1,4 +1,7 @@
-"""The audit of a run: each event of its trace, the flights between events, what was missed, and all sums."""
+"""The audit of a run: each event of its trace, the flights between events, what was missed, and all sums.
+
+By derivation from the definitions of the scene language.
+"""
 
 from __future__ import annotations
 

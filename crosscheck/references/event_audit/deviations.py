@@ -1,4 +1,7 @@
-"""What an audit finds: the largest deviation of each kind."""
+"""What an audit finds: the largest deviation of each kind.
+
+A share of a tolerance: the tolerance has its derivation where it is noted.
+"""
 
 from __future__ import annotations
 

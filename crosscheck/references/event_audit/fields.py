@@ -1,4 +1,7 @@
-"""Hydrodynamic fields on cells, computed again from the trace of a run."""
+"""Hydrodynamic fields on cells, computed again from the trace of a run.
+
+By derivation from the definition of the fields: sums over particles, integrated along their flights.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The history of a run as its trace tells it: the states of all particles between their events."""
+"""The history of a run as its trace tells it: the states of all particles between their events.
+
+By derivation from the motion between events: flights of constant acceleration, spins that stay as they are.
+"""
 
 from __future__ import annotations
 

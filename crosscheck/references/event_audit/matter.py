@@ -1,4 +1,7 @@
-"""What a scene of hard spheres says of its particles and walls, as numbers."""
+"""What a scene of hard spheres says of its particles and walls, as numbers.
+
+By derivation from the definitions of the words of a scene.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Events that a trace should have and has not: all pairs and all walls, between the events that it has."""
+"""Events that a trace should have and has not: all pairs and all walls, between the events that it has.
+
+By derivation: two that come nearer than their contact between two events have met before.
+"""
 
 from __future__ import annotations
 

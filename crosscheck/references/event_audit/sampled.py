@@ -1,4 +1,7 @@
-"""A trace from a densely sampled run, of engines that keep none: where the paths before and after an event meet."""
+"""A trace from a densely sampled run, of engines that keep none: where the paths before and after an event meet.
+
+By derivation: both paths are those of free flight, and their velocities differ.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Sums and samples of a run, computed again from its trace."""
+"""Sums and samples of a run, computed again from its trace.
+
+By derivation from the definitions of the observables.
+"""
 
 from __future__ import annotations
 

@@ -17,7 +17,9 @@ import pytest
 from crosscheck import references
 
 MODULES = [
-    importlib.import_module(m.name) for m in pkgutil.walk_packages(references.__path__, "crosscheck.references.")
+    importlib.import_module(m.name)
+    for m in pkgutil.walk_packages(references.__path__, "crosscheck.references.")
+    if not m.ispkg  # a package hands on what its modules define
 ]
 
 #: A surname and, before the next bracket closes, a year: "Haff, J. Fluid Mech. 134, 401 (1983)", "(Haff 1983)".

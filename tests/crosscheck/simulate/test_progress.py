@@ -7,12 +7,17 @@ from crosscheck.simulate.progress import Lines, left, shown
 
 def test_a_stage_is_named_once_it_takes_long():
     lines = Lines("refimpl")
-    assert lines.line(1.0, "", None) is None
-    assert lines.line(2.5, "", None) == "refimpl: preparing the start ..."
-    assert lines.line(5.0, "", None) is None
+    assert lines.line(1.0, "preparing the start", None) is None
+    assert lines.line(3.5, "preparing the start", None) == "refimpl: preparing the start ..."
+    assert lines.line(5.0, "preparing the start", None) is None
     assert lines.line(5.1, "compiling kernels", None) is None
     assert lines.line(7.2, "compiling kernels", None) == "refimpl: compiling kernels ..."
     assert lines.line(30.0, "compiling kernels", None) is None
+
+
+def test_nothing_is_said_before_the_engine_does_something():
+    """However long it takes to ask whether it can run the scene: a mistake is then the only line."""
+    assert Lines("refimpl").line(100.0, "", None) is None
 
 
 def test_lines_on_the_share_done_become_rare():

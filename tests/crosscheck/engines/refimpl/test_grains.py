@@ -305,7 +305,7 @@ def test_turning_cylinder(interpreted: Worker, dimension: int, axis: Any) -> Non
 
 def test_a_grain_that_rests_in_its_contact(interpreted: Worker) -> None:
     """A ball pushed along its floor, sunk by m g/k, slides and rolls at 5/7 v_0 after 2 v_0/(7 mu g)."""
-    mass, radius, k, v, mu = 0.00017671458676442588, 0.0025, 1e4, 1.4, 0.4
+    mass, radius, k, v, mu = 0.00017671458676442588, 0.0025, 1e2, 1.4, 0.4
     slippery = {"tangential_restitution": 0.0, "static": mu, "sliding": mu}
     start = scene(
         [[0.5, 0.05, radius - mass / k]],
@@ -321,7 +321,7 @@ def test_a_grain_that_rests_in_its_contact(interpreted: Worker) -> None:
         ),
         output=Output(interval=0.6, observables=("kinetic_energy", "contact_time")),
     )
-    dt = 1e-5
+    dt = 1e-4
     method = Method(scheme="velocity_verlet", dt=dt, contact=Contact(stiffness=k))
     run = interpreted.run(start, method)
     # at its end the tangential spring swings: w^2 = (1 + 1/q) k_t/m, k_t/k = q/(1 + q) (pi/2)^2/(pi^2 + ln^2 alpha)
@@ -333,7 +333,7 @@ def test_a_grain_that_rests_in_its_contact(interpreted: Worker) -> None:
     sliding = 0.5 * mass * ((v - mu * 0.6) ** 2 + 0.4 * (2.5 * mu * 0.6) ** 2)
     assert run["kinetic_energy"][1] == pytest.approx(sliding, abs=mass * v * mu * dt)
     assert run["final_positions"][0, 2] == pytest.approx(radius - mass / k, abs=1e3 * EPSILON * radius)
-    with pytest.raises(UsageError, match=r"beyond the wall z- by 1.77e-08"):
+    with pytest.raises(UsageError, match=r"beyond the wall z- by 1.77e-06"):
         interpreted.run(start.changed(output=Output()), Method(scheme="event_driven"))
 
 
