@@ -15,7 +15,7 @@ from crosscheck.mutation.coverage import Executed
 from crosscheck.mutation.draw import Mutant
 from crosscheck.mutation.trial import Outcome
 
-SAMPLE = Sample(6, 3, "quick", ("events/haff",), ("events/rules",), "refimpl")
+SAMPLE = Sample(6, 3, "quick", ("events/maxwell",), ("events/rules",), "refimpl")
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ def tried(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     def judged(mutant: Mutant, executed: Sequence[Executed], seed: int, most_compiled: int) -> Outcome:
         names.append(mutant.name)
         caught = len(mutant.after) % 2 == 0
-        return Outcome(caught, "events/haff/2d [refimpl]" if caught else "", "red" if caught else "", 1, 0, 0.5)
+        return Outcome(caught, "events/maxwell/2d [refimpl]" if caught else "", "red" if caught else "", 1, 0, 0.5)
 
     monkeypatch.setattr(mutating, "try_mutant", judged)
     monkeypatch.setattr(mutating, "executed_lines", lambda cases, seed, jobs, tell: [])
