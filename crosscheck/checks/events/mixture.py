@@ -26,7 +26,7 @@ SIZES, WEIGHTS = (1.0, 2.0), (1.0, 5.0)
 #: Unit cells of a compound: the large one on the corner, the small ones in the middle (and on the faces).
 _SMALL_SITES = {2: [[0.5, 0.5]], 3: [[0.5, 0.5, 0.5], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]]}
 CELLS = {2: 24, 3: 6}
-COLLISIONS, SAMPLES = 3e6, 240
+COLLISIONS, SAMPLES = 3.6e6, 288
 
 
 class Blend(NamedTuple):
