@@ -81,7 +81,10 @@ def executed_lines(
 
 
 def _record(seed: int, cases: Iterable[Case], sources: str) -> list[Executed]:
-    """What the cases of one check execute; sources: its hash. Interpreted ones run a second time, since recording makes them many times slower."""
+    """What the cases of one check execute; sources: their hash.
+
+    Interpreted ones run a second time, since recording makes them many times slower.
+    """
     found = []
     with Judge(records=True) as judge, Judge() as unwatched:
         for case in cases:

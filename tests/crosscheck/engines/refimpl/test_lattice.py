@@ -156,7 +156,9 @@ def test_reversals_lead_back(interpreted: Worker, method: Method, interval: int 
         output={"interval": interval, "observables": observables},
     )
     run = interpreted.run(scene, method)
-    there = interpreted.run(scene.changed(duration=60, lattice_gas=LatticeGas(model="hpp", rows=12, columns=40)), method)
+    there = interpreted.run(
+        scene.changed(duration=60, lattice_gas=LatticeGas(model="hpp", rows=12, columns=40)), method
+    )
     np.testing.assert_array_equal(run["sites"], scene.initial_sites())
     assert (there["sites"] != scene.initial_sites()).mean() > 0.3
     if interval == 60:
