@@ -9,7 +9,8 @@ import pytest
 
 from crosscheck.checks.performance.work_precision import PROBLEMS, expected_evaluations
 from crosscheck.engines.protocol import Claims
-from refimpl.stepping.forces.generic import accelerate, implements
+from refimpl.compilation import implements
+from refimpl.stepping.forces.generic import accelerate
 from refimpl.stepping.schemes import SCHEMES
 
 
