@@ -81,7 +81,7 @@ def executed_lines(
 
 
 def _record(seed: int, cases: Iterable[Case], sources: str) -> list[Executed]:
-    """What the cases of one check execute; sources: its hash.
+    """What the cases of one check execute; sources: their hash.
 
     Interpreted ones run a second time, since recording makes them many times slower.
     """

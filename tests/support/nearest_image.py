@@ -69,17 +69,21 @@ class AllImages:
     def next(self, x, v, radii, lengths):
         best = (math.inf, 0, 0, None)
         turns = range(-self.images, self.images + 1)
+        shifts = lengths * np.array(list(itertools.product(turns, repeat=len(lengths))))
         for i, j in itertools.combinations(range(len(x)), 2):
             gap = x[j] - x[i]
             gap = gap - lengths * np.round(gap / lengths)
             home = gap - (x[j] - x[i])
-            for shift in itertools.product(turns, repeat=len(lengths)):
-                r, u = gap + lengths * np.array(shift), v[j] - v[i]
-                b, w, c = r @ u, u @ u, r @ r - (radii[i] + radii[j]) ** 2
-                if b < 0 and b * b > w * c and c > -1e-9:  # overlapping pairs fly through each other
-                    span = max(c / (math.sqrt(b * b - w * c) - b), 0.0)
-                    if span < best[0]:
-                        best = (span, i, j, home + lengths * np.array(shift))
+            r, u = gap + shifts, v[j] - v[i]
+            b, w, c = r @ u, u @ u, (r * r).sum(axis=1) - (radii[i] + radii[j]) ** 2
+            root = b * b - w * c
+            # overlapping pairs fly through each other
+            (met,) = np.nonzero((b < 0) & (root > 0) & (c > -1e-9))
+            if met.size:
+                spans = np.maximum(c[met] / (np.sqrt(root[met]) - b[met]), 0.0)
+                first = int(spans.argmin())
+                if spans[first] < best[0]:
+                    best = (float(spans[first]), i, j, home + shifts[met[first]])
         return best
 
 

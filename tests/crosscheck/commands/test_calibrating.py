@@ -46,7 +46,7 @@ def test_the_table_is_printed_and_written(
     assert row in written
     assert "1 quantities, 200 judgements: " in written
     assert "p-values of 0 too small, of 0 too large to be uniform" in written
-    assert written.startswith("`crosscheck ")
+    assert written.startswith("`crosscheck")
 
 
 @pytest.mark.parametrize(("scale", "status", "word"), [(0.5, 1, "small"), (2.0, 0, "large")])

@@ -418,6 +418,7 @@ def test_long_runs_keep_no_memory() -> None:
         for _ in range(runs):
             gas.run(collisions=gas.collisions + 10)
             gas._traced.clear()
+            del gas._traced_states[1:]
         gc.collect()
         return tracemalloc.get_traced_memory()[0], references()
 
