@@ -325,5 +325,6 @@ def test_when_the_suite_ends_everything_ends(worker: Worker, tmp_path: Path, num
         assert suite.returncode == -number
     else:
         assert suite.returncode == 128 + number
-        assert said == "crosscheck: interrupted\n"
+        # on a slow machine, lines on the progress come before it
+        assert said.splitlines()[-1] == "crosscheck: interrupted"
     assert list((tmp_path / "scratch").iterdir()) == []
