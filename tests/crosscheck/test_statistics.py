@@ -13,7 +13,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-import crosscheck
 from crosscheck.statistics import (
     Mean,
     Trend,
@@ -29,7 +28,7 @@ from crosscheck.statistics import (
 @pytest.fixture(scope="module")
 def benchmark_module() -> Any:
     """benchmarks/false_alarms.py, which has series with known correlations."""
-    path = Path(crosscheck.__path__[0]).parent / "benchmarks" / "false_alarms.py"
+    path = Path(__file__).parents[2] / "benchmarks" / "false_alarms.py"
     spec = importlib.util.spec_from_file_location("false_alarms", path)
     assert spec is not None
     assert spec.loader is not None
