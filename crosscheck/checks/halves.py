@@ -18,7 +18,7 @@ EQUATION = "x(t) = x(t - t/2 | x(t/2))"
 CRITERION = "not one bit of a state differs; sums over the run to rounding"
 _SAME_BITS = "the state that is handed on is all that decides what follows: not one bit may differ"
 _OF_SUMS = "two parts of a sum, against the whole: rounding, relative to the largest"
-#: Roundings of a sum over a run that is added up in two parts.
+#: Roundings of a sum over a run that is added up in two parts: it has fewer terms than these, each rounded once.
 ROUNDINGS = 1000.0
 
 
