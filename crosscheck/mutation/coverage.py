@@ -18,6 +18,7 @@ from functools import cache, partial
 from pathlib import Path
 
 import crosscheck
+from crosscheck.checks import declared_in
 from crosscheck.engines.workers.cache import kernel_cache
 from crosscheck.engines.workers.ending import TIME_LIMIT, ending
 from crosscheck.mutation.judge import Judge, recorded_roots
@@ -141,7 +142,7 @@ def _is_current(one: Executed | None) -> bool:
 @cache
 def sources_of(check: str) -> str:
     """A hash of all sources that a check's verdict may depend on, but `refimpl`; check: its name."""
-    files = _imported(find(check).judge.__module__) | {
+    files = _imported(declared_in()[check]) | {
         module for module in _engines() if not module.startswith("crosscheck.engines.workers.recording")
     }
     digest = hashlib.sha256()

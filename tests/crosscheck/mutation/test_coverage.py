@@ -10,6 +10,7 @@ from types import TracebackType
 import pytest
 
 import refimpl
+from crosscheck.checks import all_checks, declared_in
 from crosscheck.mutation import coverage
 from crosscheck.mutation.coverage import executed_lines, sources_of
 from crosscheck.mutation.judge import Answer
@@ -70,6 +71,13 @@ def test_a_check_whose_sources_changed_is_recorded_again(asked: list[str], tmp_p
     path.write_text("".join(json.dumps(line) + "\n" for line in lines))
     executed_lines(CASES, 0, 1)
     assert asked == ["events/haff/2d-0.9", "events/maxwell/2d", "events/haff/2d-0.9"]
+
+
+def test_every_check_is_declared_in_a_file_of_its_group() -> None:
+    """Also those whose `judge` is a function of another module, or a partial one."""
+    places = declared_in()
+    assert sorted(places) == [check.name for check in all_checks()]
+    assert all(place.startswith(f"crosscheck.checks.{name.partition('/')[0]}.") for name, place in places.items())
 
 
 def test_the_sources_of_a_check_are_what_it_imports() -> None:
