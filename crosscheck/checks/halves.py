@@ -36,21 +36,16 @@ def halves(laboratory: Laboratory, scene: Scene, method: Method | Kind, name: st
     whole = laboratory.run(scene, method)
     first, second = laboratory.run_in_two(scene, method)
     middle = (len(whole["time"]) - 1) // 2
-    differing, apart = {}, {}
-    for key, values in whole.items():
-        row = TABLE[key]
-        if key == "time":
-            continue
-        if row.cumulative:
-            total = first[key][-1] + second[key] if row.axes[0] == "sample" else first[key] + second[key]
-            asked = values[middle:] if row.axes[0] == "sample" else values
-            size = float(np.abs(values).max())
-            apart[key] = float(np.abs(total - asked).max()) / size if size else float(np.abs(total).max())
-        else:
-            asked = values[middle:] if row.axes[0] == "sample" else values
-            same = asked.shape == second[key].shape and np.array_equal(asked, second[key], equal_nan=True)
-            differing[key] = 0 if same else 1
-    off = [key for key, count in differing.items() if count]
+    off, apart = [], {}
+    for key in [name for name in whole if name != "time"]:
+        sampled = TABLE[key].axes[0] == "sample"
+        asked, found_then = whole[key][middle:] if sampled else whole[key], second[key]
+        if TABLE[key].cumulative:
+            total = found_then + (first[key][-1] if sampled else first[key])
+            size = float(np.abs(whole[key]).max())
+            apart[key] = float(np.abs(total - asked).max()) / (size or 1.0)
+        elif not np.array_equal(asked, found_then, equal_nan=True):
+            off.append(key)
     found = [
         round_off(
             f"{name}: arrays that differ",

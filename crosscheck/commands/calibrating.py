@@ -41,9 +41,9 @@ def calibrate(
     path.py:Class; none: all installed. seeds: how many, 5 at least. jobs: runs at a time; None: one per core. out: file
     for the table, in Markdown. time_limit: seconds that one call of an engine may take. The status is 1 if p-values of
     a quantity are too small to be uniform (of right codes once in 1000 calls), or a case had no verdict, else 0: too
-    large ones cost sensitivity, but raise no false alarm. Cases of which the
-    first seed judges nothing statistically are left out. UsageError for an unknown tier, fewer than 5 seeds, or if no
-    case matches, and nothing is judged statistically.
+    large ones cost sensitivity, but raise no false alarm. Cases of which the first seed judges nothing statistically
+    are left out. UsageError for an unknown tier, fewer than 5 seeds, or if no case matches, and nothing is judged
+    statistically.
     """
     if tier not in ("quick", "full"):
         raise UsageError(f"--tier {tier}: unknown; take quick or full")
