@@ -25,20 +25,7 @@ def main() -> None:
         for line in sys.stdin:
             request = json.loads(line)
             case = runner.Case(**request["case"])
-            if not _is_offered(case):
-                answers.write(
-                    json.dumps({"outcome": "skip", "message": "there is no such case", "seconds": 0.0}) + "\n"
-                )
-                answers.flush()
-                continue
-            verdict = runner.judge(case, request["seed"], time_limit=request["limit"])
-            red = (
-                []
-                if verdict.findings is None
-                else [one for one in verdict.findings.judgements if one.outcome == "fail"]
-            )
-            message = verdict.message.partition("\n")[0] or (red[0].quantity if red else "")
-            answer = {"outcome": verdict.outcome, "message": message, "seconds": verdict.cost["seconds"]}
+            answer = _answer(case, request["seed"], request["limit"])
             if recorder is not None:
                 answer["lines"] = _all_lines(recorder)
             answers.write(json.dumps(answer) + "\n")
