@@ -218,97 +218,63 @@ class Gear(NamedTuple):
 
 @dataclass(frozen=True)
 class Scheme:
-    """A scheme and what it claims; every claim but the prose is checked by runs (`stepping/schemes/*`).
+    """A scheme and what it claims; the checks of its runs hold it to that.
 
-    record: the scheme. title: its name in tables and figures.
+    record: the scheme.
     order, order_damped: global orders (position, velocity) of the error for f(r) and for f(r, v).
-    stability_limit: largest omega dt for which the undamped oscillator stays bounded for ever; 0 if none does.
-    practical_limit: largest omega dt for which its amplitude grows by less than 1 % a step.
     evaluations, start_evaluations: of the force, per step and at the start.
     symplectic, reversible: of the map from the initial to the final (r, v), start procedure included.
-    start, velocity_forces: what is done at the start, and what velocity a velocity-dependent force gets.
     """
 
     record: Any
-    title: str
     order: tuple[int, int]
     order_damped: tuple[int, int]
-    stability_limit: float
-    practical_limit: float
     evaluations: int
     start_evaluations: int
     symplectic: bool
     reversible: bool
-    start: str
-    velocity_forces: str
 
 
-def _first_order(record: Any, title: str, limit: float, practical: float, evaluations: int, symplectic: bool) -> Scheme:
+def _first_order(record: Any, evaluations: int = 1, *, symplectic: bool = False) -> Scheme:
     return Scheme(
         record,
-        title,
         order=(1, 1),
         order_damped=(1, 1),
-        stability_limit=limit,
-        practical_limit=practical,
         evaluations=evaluations,
         start_evaluations=0,
         symplectic=symplectic,
         reversible=False,
-        start="nothing",
-        velocity_forces="at the predicted state" if evaluations == 2 else "at the old state",
     )
 
 
-def _verlet_family(record: Any, title: str, damped: int, same_map: bool, start: str, velocity_forces: str) -> Scheme:
+def _verlet_family(record: Any, damped: int, *, same_map: bool) -> Scheme:
     # Beeman's positions are Verlet's from a slightly different start, so its (r, v) map is neither exactly
     # symplectic nor exactly reversible, and its energy does not drift all the same.
     return Scheme(
         record,
-        title,
         order=(2, 2),
         order_damped=(damped, damped),
-        stability_limit=2.0,
-        practical_limit=_VERLET_PRACTICAL,
         evaluations=1,
         start_evaluations=1 if same_map else 2,
         symplectic=same_map,
         reversible=same_map,
-        start=start,
-        velocity_forces=velocity_forces,
     )
 
 
 def _gear_family(
-    title: str,
-    corrector: tuple[float, ...],
-    order: tuple[int, int],
-    order_damped: tuple[int, int],
-    limit: float,
-    practical: float,
-    analytic_start: bool = True,
+    corrector: tuple[float, ...], order: tuple[int, int], order_damped: tuple[int, int], *, analytic_start: bool = True
 ) -> Scheme:
     return Scheme(
         Gear(np.array(corrector), analytic_start),
-        title,
         order=order,
         order_damped=order_damped,
-        stability_limit=limit,
-        practical_limit=practical,
         evaluations=1,
         start_evaluations=1,
         symplectic=len(corrector) == 3,
         reversible=len(corrector) == 3,
-        start="r_2 from the force, r_3 ... " + ("analytic where the force knows them" if analytic_start else "zero"),
-        velocity_forces="predicted; no order is lost",
     )
 
 
-# Growth of 1 % a step. Verlet: the root -g with g + 1/g = (omega dt)^2 - 2. Euler: 1 + (omega dt)^2/2 = g^2.
-# Modified Euler and Euler predictor-corrector: the real root -g. Gear: eigenvalues of the Nordsieck matrix.
-_VERLET_PRACTICAL = (2 + 1.01 + 1 / 1.01) ** 0.5
-_BEHIND = "r(-dt) by an Euler step backwards"
-_BEFORE = "a(0), and a(-dt) by an Euler step backwards"
 _GEAR4, _GEAR4_VELOCITY = (19 / 120, 3 / 4, 1.0, 1 / 2, 1 / 12), (19 / 90, 3 / 4, 1.0, 1 / 2, 1 / 12)
 _GEAR5 = (3 / 20, 251 / 360, 1.0, 11 / 18, 1 / 6, 1 / 60)
 _GEAR5_VELOCITY = (3 / 16, 251 / 360, 1.0, 11 / 18, 1 / 6, 1 / 60)
@@ -316,32 +282,21 @@ _GEAR5_VELOCITY = (3 / 16, 251 / 360, 1.0, 11 / 18, 1 / 6, 1 / 60)
 # gear4, f(r): order 5 in the position is that from rest, and of all that grows with time. A start with a velocity adds
 # h^4/720 (v0/omega) sin(omega t), visible below h = 0.05 only.
 SCHEMES: dict[str, Scheme] = {
-    "euler": _first_order(Euler(), "Euler", 0.0, (2 * (1.01**2 - 1)) ** 0.5, 1, False),
-    "modified_euler": _first_order(ModifiedEuler(), "Modified Euler", 2**0.5, 1.415985, 1, False),
-    "symplectic_euler": _first_order(SymplecticEuler(), "Symplectic Euler", 2.0, _VERLET_PRACTICAL, 1, True),
-    "verlet": _verlet_family(Verlet(), "Verlet", 1, True, _BEHIND, "backward difference: lagged half a step"),
-    "leapfrog": _verlet_family(LeapFrog(), "Leap-frog", 1, True, "v(dt/2) by half a step", "lagged half a step"),
-    "velocity_verlet": _verlet_family(VelocityVerlet(), "Velocity Verlet", 1, True, "a(0)", "half-step velocity"),
-    "beeman": _verlet_family(Beeman(), "Beeman", 1, False, _BEFORE, "lagged a whole step"),
-    "beeman_pc": _verlet_family(
-        BeemanPredictorCorrector(),
-        "Beeman predictor-corrector",
-        2,
-        False,
-        _BEFORE,
-        "predicted; no order is lost",
-    ),
-    "euler_pc": _first_order(EulerPredictorCorrector(), "Euler predictor-corrector", 2 / 3**0.5, 1.156625, 2, False),
-    "gear2": _gear_family("Gear 2", (0.0, 1.0, 1.0), (2, 2), (2, 2), 2.0, _VERLET_PRACTICAL),
-    "gear3": _gear_family("Gear 3", (1 / 6, 5 / 6, 1.0, 1 / 3), (4, 3), (3, 3), 2**0.5, 1.418901),
-    "gear4": _gear_family("Gear 4, f(r)", _GEAR4, (5, 4), (4, 4), 0.0, 1.113080),
-    "gear4_velocity": _gear_family("Gear 4, f(r,v)", _GEAR4_VELOCITY, (4, 4), (4, 4), 0.0, 0.939490),
-    "gear5": _gear_family("Gear 5, f(r)", _GEAR5, (6, 5), (5, 5), 0.0, 0.847453),
-    "gear5_velocity": _gear_family("Gear 5, f(r,v)", _GEAR5_VELOCITY, (5, 5), (5, 5), 0.312972, 0.806154),
-    "gear4_zero_start": _gear_family(
-        "Gear 4, zero start", _GEAR4_VELOCITY, (2, 2), (2, 2), 0.0, 0.939490, analytic_start=False
-    ),
-    "gear5_zero_start": _gear_family(
-        "Gear 5, zero start", _GEAR5_VELOCITY, (2, 2), (2, 2), 0.312972, 0.806154, analytic_start=False
-    ),
+    "euler": _first_order(Euler()),
+    "modified_euler": _first_order(ModifiedEuler()),
+    "symplectic_euler": _first_order(SymplecticEuler(), symplectic=True),
+    "verlet": _verlet_family(Verlet(), 1, same_map=True),
+    "leapfrog": _verlet_family(LeapFrog(), 1, same_map=True),
+    "velocity_verlet": _verlet_family(VelocityVerlet(), 1, same_map=True),
+    "beeman": _verlet_family(Beeman(), 1, same_map=False),
+    "beeman_pc": _verlet_family(BeemanPredictorCorrector(), 2, same_map=False),
+    "euler_pc": _first_order(EulerPredictorCorrector(), 2),
+    "gear2": _gear_family((0.0, 1.0, 1.0), (2, 2), (2, 2)),
+    "gear3": _gear_family((1 / 6, 5 / 6, 1.0, 1 / 3), (4, 3), (3, 3)),
+    "gear4": _gear_family(_GEAR4, (5, 4), (4, 4)),
+    "gear4_velocity": _gear_family(_GEAR4_VELOCITY, (4, 4), (4, 4)),
+    "gear5": _gear_family(_GEAR5, (6, 5), (5, 5)),
+    "gear5_velocity": _gear_family(_GEAR5_VELOCITY, (5, 5), (5, 5)),
+    "gear4_zero_start": _gear_family(_GEAR4_VELOCITY, (2, 2), (2, 2), analytic_start=False),
+    "gear5_zero_start": _gear_family(_GEAR5_VELOCITY, (2, 2), (2, 2), analytic_start=False),
 }
