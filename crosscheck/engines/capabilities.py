@@ -179,7 +179,8 @@ class Needs:
     names that the engine's attribute `promises` must hold; "speed": its speed may be judged; "interpretable": where the
     environment has NUMBA_DISABLE_JIT, it runs as plain Python, for scenes too small to be worth a compilation;
     "operations": it counts them exactly, in `Cost`; "restarts": it goes on with the same bits, see
-    `protocol.Restartable`.
+    `protocol.Restartable`; "ties": a run remarks how many events took place at the same time as another one of the same
+    particle, and the time of the first.
     """
 
     interaction: str

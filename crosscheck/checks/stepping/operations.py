@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
+from typing import Literal, NamedTuple
 
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.operations import CRITERION, EQUATION, as_known, at_most, counted, counting, exactly
@@ -22,23 +24,44 @@ _EVALUATIONS = {
     "beeman": (2, 1),
     "beeman_pc": (2, 1),
 }
-_CUTOFF, _DENSITY, _NUMBER, _STEPS = 2.5, 0.7, 64, 50
+_NUMBER, _STEPS = 64, 50
 #: Of `refimpl`: particles that share a list of neighbours, and how far it reaches beyond the cutoff.
 _TILE, _CLOSE_SKIN = 8, 0.2
-#: Counts of the fluid. Lists reach 0.8 beyond the cutoff.
-_KNOWN = {"pair_tests": 132544, "list_builds": 2, "list_prunings": 8, "list_tests": 29120}
 
 
-def _fluid(number: int, density: float, steps: int) -> Scene:
-    """Lennard-Jones disks from the same start whatever the seed: counts are known of it."""
+class _Fluid(NamedTuple):
+    """dimension, density, cutoff of a fluid; temperature: of its start; known: counts of `refimpl`."""
+
+    dimension: Literal[2, 3]
+    density: float
+    cutoff: float
+    temperature: float
+    known: dict[str, float]
+
+
+# lists reach 0.8 beyond the cutoff
+_DISKS = _Fluid(2, 0.7, 2.5, 1.5, {"pair_tests": 132544, "list_builds": 2, "list_prunings": 8, "list_tests": 29120})
+_SPHERES = _Fluid(3, 0.5, 1.6, 6.0, {"pair_tests": 147848, "list_builds": 5, "list_prunings": 16, "list_tests": 138400})
+
+
+def _scene(fluid: _Fluid, number: int, steps: int) -> Scene:
+    """A Lennard-Jones fluid from the same start whatever the seed: counts are known of it."""
+    structure: Literal["square", "sc"] = "square" if fluid.dimension == 2 else "sc"
     return Scene(
-        name=f"disks-{number}",
-        dimension=2,
+        name=f"fluid-of-{number}",
+        dimension=fluid.dimension,
         duration=steps * STEP.step,
-        lennard_jones=LennardJones(cutoff=_CUTOFF),
-        box=Box(density=density),
-        initial=Lattice(kind="lattice", structure="square", number=number, temperature=1.5, seed=3),
+        lennard_jones=LennardJones(cutoff=fluid.cutoff),
+        box=Box(density=fluid.density),
+        initial=Lattice(kind="lattice", structure=structure, number=number, temperature=fluid.temperature, seed=3),
     )
+
+
+def _around(dimension: int, side: float, reach: float) -> float:
+    """Area within reach of a square, or volume within reach of a cube (Steiner's formula)."""
+    if dimension == 2:
+        return side**2 + 4 * side * reach + math.pi * reach**2
+    return side**3 + 6 * side**2 * reach + 3 * math.pi * side * reach**2 + 4 / 3 * math.pi * reach**3
 
 
 def _judge_schemes(laboratory: Laboratory) -> Judged:
@@ -46,7 +69,7 @@ def _judge_schemes(laboratory: Laboratory) -> Judged:
     for name, claims in laboratory.claims.items():
         if claims.kind != "stepping":
             continue
-        cost = laboratory.run(_fluid(4, 0.1, 6), Method(scheme=name, dt=STEP.dt)).cost
+        cost = laboratory.run(_scene(_DISKS._replace(density=0.1), 4, 6), Method(scheme=name, dt=STEP.dt)).cost
         start, each = _EVALUATIONS.get(name, (1, 1))
         if laboratory.engine == "refimpl":
             judged.append(exactly(f"{name}: evaluations in 6 steps", cost.evaluations, start + 6 * each))
@@ -56,37 +79,40 @@ def _judge_schemes(laboratory: Laboratory) -> Judged:
     return worst(judged, "6 steps of 4 disks")
 
 
-def _judge_fluid(laboratory: Laboratory) -> Judged:
-    cost = laboratory.run(_fluid(_NUMBER, _DENSITY, _STEPS), STEP).cost
+def _judge_fluid(laboratory: Laboratory, fluid: _Fluid) -> Judged:
+    cost = laboratory.run(_scene(fluid, _NUMBER, _STEPS), STEP).cost
     tests = counted(cost, "pair_tests") / (_NUMBER * cost.evaluations)
-    builds = counted(cost, "list_builds")
+    builds, box = counted(cost, "list_builds"), (_NUMBER / fluid.density) ** (1 / fluid.dimension)
     judged = [
         exactly("evaluations of the force", cost.evaluations, _STEPS + 1),
         at_most("lists made, over steps", builds / _STEPS, 0.2, "a list is good for several steps"),
         at_most(
             "distances for a list, over those of all pairs",
             counted(cost, "list_tests") / (builds * _NUMBER**2),
-            6.0,
+            2.0 * (1 + 2 * (fluid.cutoff + 1.0) / box) ** fluid.dimension,
             "the box and its images within the cutoff and a skin as large as sigma, at most, from both sides",
         ),
     ]
     if laboratory.engine == "refimpl":
-        side = math.sqrt(_TILE / _DENSITY)
-        reach = _CUTOFF + _CLOSE_SKIN
-        around = side * side + 4 * side * reach + math.pi * reach * reach
+        side = (_TILE / fluid.density) ** (1 / fluid.dimension)
+        around = _around(fluid.dimension, side, fluid.cutoff + _CLOSE_SKIN)
         judged.append(
             at_most(
-                "distances of a particle, over density x area within reach of a square of eight",
-                tests / (_DENSITY * around),
+                "distances of a particle, over density x what is within reach of a square or a cube of eight",
+                tests / (fluid.density * around),
                 1.0,
                 "eight particles share a list of all that is in reach of one of them; scattered, they reach less far",
             )
         )
-    return worst([*judged, *as_known(laboratory, cost, _KNOWN)], f"{_STEPS} steps of {_NUMBER} disks")
+    return worst([*judged, *as_known(laboratory, cost, fluid.known)], f"{_STEPS} steps of {_NUMBER} particles")
 
 
 def _judge(laboratory: Laboratory, judge: Callable[[Laboratory], Judged]) -> Judged:
     return judge(laboratory)
+
+
+def _needs(dimension: int) -> Needs:
+    return Needs("lennard_jones", words=frozenset({f"dimension={dimension}"}))
 
 
 CHECKS = (
@@ -97,10 +123,12 @@ CHECKS = (
         criterion=CRITERION,
         citation=f"{LISTS}; Pall & Hess, Comput. Phys. Commun. 184, 2641 (2013)",
         judge=_judge,
-        variants=(Variant("schemes", _judge_schemes), Variant("fluid", _judge_fluid)),
-        needs=counting(
-            Needs("lennard_jones", words=frozenset({"dimension=2", "box.boundaries=periodic"}), schemes=(STEP.scheme,))
+        variants=(
+            Variant("schemes", _judge_schemes, needs=_needs(2)),
+            Variant("fluid", partial(_judge_fluid, fluid=_DISKS), needs=_needs(2)),
+            Variant("fluid-in-space", partial(_judge_fluid, fluid=_SPHERES), needs=_needs(3)),
         ),
+        needs=counting(Needs("lennard_jones", words=frozenset({"box.boundaries=periodic"}), schemes=(STEP.scheme,))),
         interpreted=True,
         faults=(
             (

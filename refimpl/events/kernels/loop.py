@@ -97,6 +97,10 @@ FULL, PASSED, RENEWED = range(3)
 #: More than COLLAPSE collisions of a particle in a row at one instant are an inelastic collapse; so are more than two
 #: whose relative normal velocity, squared, is below VANISHED times the squared velocities.
 COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
+#: STREAK: the number of events in a row at one instant, and below it, in so many bits, who the last one was with: a
+#: wall, or a particle. Of more particles than that, two may have the same number, and a tie with both is not counted.
+_PARTNER_BITS, _WALL = 24, 0
+_PARTNERS = (1 << _PARTNER_BITS) - 1
 #: More cells than this do not fit into the first two caches.
 MANY = 1 << 14
 #: Entries of `progress`; UNPREDICTED: the first particle whose events have not been predicted yet.
@@ -525,6 +529,29 @@ def _hits_so_far(seed: Any, hits: Any, i: int) -> int:
 
 
 @inline_internal
+def _code(j: int) -> int:
+    """Who an event is with, in the lowest bits of STREAK."""
+    return (j + 1) & _PARTNERS
+
+
+@inline_internal
+def _last_with(ints: Any, i: int) -> int:
+    return ints[i, STREAK] & _PARTNERS
+
+
+@inline_internal
+def _streak(ints: Any, i: int) -> int:
+    return ints[i, STREAK] >> _PARTNER_BITS
+
+
+@inline_internal
+def _note_event(ints: Any, i: int, partner: int, at_once: bool) -> None:
+    """The particle's state is that of an event now. at_once: its last one was at the same instant."""
+    streak = min(_streak(ints, i) + 1, COLLAPSE + 1) if at_once else 0
+    ints[i, STREAK] = (streak << _PARTNER_BITS) | partner
+
+
+@inline_internal
 def _note_simultaneous(simultaneous: Any, now: float) -> None:
     simultaneous[0] += 1.0
     if simultaneous[0] == 1.0:
@@ -558,8 +585,9 @@ def _collide(
     rows, ints, spins, last = particles.rows, particles.ints, particles.spins, particles.last
     tallies, fields, _, _, simultaneous = measured
     age_i, age_j = _time_since_event(rows, ints, i, now), _time_since_event(rows, ints, j, now)
-    # two whose last event is of one and the same time had it with each other
-    together = rows[i, TIME] == rows[j, TIME] and (ints[i, STREAK] | ints[j, STREAK]) & 1 == 0
+    tied = (age_i < resolution and _last_with(ints, i) != _code(j)) or (
+        age_j < resolution and _last_with(ints, j) != _code(i)
+    )
     fixed = is_fixed(model.inverse_masses, j)
     _advance_to_now(model, grid, rows, i, now)
     if not fixed:
@@ -587,20 +615,19 @@ def _collide(
         if not fixed:
             _note_collision(model.contact_duration, last, j, now)
         status, changed = REACHED, True
-    if changed and min(age_i, age_j) < resolution and not together:
+    if changed and tied:
         _note_simultaneous(simultaneous, now)
     ints[i, COUNT] += 1
     if fixed:
-        ints[i, STREAK] = 0
+        _note_event(ints, i, _code(j), False)
         return status
     ints[j, COUNT] += 1
-    if max(age_i, age_j) >= instant:
-        ints[i, STREAK] = 0
-        ints[j, STREAK] = 0
+    at_once = max(age_i, age_j) < instant
+    _note_event(ints, i, _code(j), at_once)
+    _note_event(ints, j, _code(i), at_once)
+    if not at_once:
         return status
-    ints[i, STREAK] = 2 * (ints[i, STREAK] >> 1) + 2
-    ints[j, STREAK] = 2 * (ints[j, STREAK] >> 1) + 2
-    streak = min(ints[i, STREAK], ints[j, STREAK]) >> 1
+    streak = min(_streak(ints, i), _streak(ints, j))
     if streak > COLLAPSE or (streak > 2 and gn * gn < VANISHED * speed2):
         return COLLAPSED
     return status
@@ -654,11 +681,11 @@ def _hit_wall(
     note_wall_after(tallies, fields, model, rows, spins, i, face)
     note_cylinder(tallies, model, rows, i, face)
     _note_collision(model.contact_duration, last, i, now)
-    if age < resolution and ints[i, STREAK] & 1 == 0:
+    if age < resolution and _last_with(ints, i) != _WALL:
         _note_simultaneous(simultaneous, now)
     ints[i, COUNT] += 1
-    ints[i, STREAK] = 2 * (ints[i, STREAK] >> 1) + 3 if age < instant else 1
-    return ints[i, STREAK] >> 1 > COLLAPSE
+    _note_event(ints, i, _WALL, age < instant)
+    return _streak(ints, i) > COLLAPSE
 
 
 @inline_internal
