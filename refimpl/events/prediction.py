@@ -146,14 +146,13 @@ def _value(a0: float, a1: float, a2: float, a3: float, a4: float, s: float) -> f
 def _root_between(a0: float, a1: float, a2: float, a3: float, a4: float, low: float, high: float) -> float:
     """The root of a polynomial that is monotonic on [low, high] and changes sign there; the side where it is <= 0."""
     rising = _value(a0, a1, a2, a3, a4, high) > 0.0
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high:
-            break
+    middle = 0.5 * (low + high)
+    while low < middle < high:
         if (_value(a0, a1, a2, a3, a4, middle) > 0.0) == rising:
             high = middle
         else:
             low = middle
+        middle = 0.5 * (low + high)
     return low if rising else high
 
 
