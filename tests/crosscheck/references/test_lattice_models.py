@@ -168,6 +168,10 @@ def test_collisions_of_the_first_papers(name: str) -> None:
     np.testing.assert_array_equal(known.transitions(name), listed(name))
 
 
+def test_every_model_is_known() -> None:
+    assert set(known.MODELS) == set(MODELS)
+
+
 @each_model
 def test_transitions_conserve_and_are_those_of_refimpl(name: str) -> None:
     a, s = known.transitions(name), known.states(name)
