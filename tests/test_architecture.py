@@ -81,6 +81,18 @@ def test_imports_point_down() -> None:
     assert not upward
 
 
+def test_expectations_share_no_code_with_what_they_judge() -> None:
+    """References and checks import nothing of refimpl, but for how often its own schemes evaluate forces."""
+    judges = {
+        f"{name} -> {other}"
+        for name, others in imports().items()
+        if name.startswith(("crosscheck.references", "crosscheck.checks"))
+        for other in others
+        if other.startswith("refimpl")
+    }
+    assert judges == {"crosscheck.checks.performance.work_precision -> refimpl.stepping.schemes"}
+
+
 def circles() -> Iterator[list[str]]:
     """Strongly connected components of more than one module (Tarjan)."""
     graph, index, low, stack, on = imports(), {}, {}, [], set()

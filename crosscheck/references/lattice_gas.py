@@ -79,7 +79,10 @@ def longitudinal_viscosity(model: str, density: float) -> float:
 def galilean_factor(model: str, density: float) -> float:
     """g of the term g u.grad u: (1 - 2d)/(2(1 - d)), and 7/6 of it with a rest particle. U. Frisch et al. (1987).
 
-    model: a name of `lattice_models.MODELS`. density: d, 0 < d < 1.
+    model: a name of `lattice_models.MODELS`. density: d, 0 < d < 1. ValueError for HPP, whose momentum flux is no
+    multiple of u_a u_b.
     """
+    if model == "hpp":
+        raise ValueError("HPP is not isotropic and has no one factor of advection")
     plain = (1 - 2 * density) / (2 * (1 - density))
     return plain * (7 / 6 if model in ("fhp2", "fhp3") else 1.0)

@@ -227,13 +227,15 @@ def linearised_collision(model: str, occupations: ArrayLike) -> NDArray[np.float
 class Modes(NamedTuple):
     """Rates of small waves exp(i (k.r - omega t) - alpha t), per step: of shear, and of the sound that runs along k.
 
-    shear_decay, sound_damping: alpha. shear_frequency, sound_frequency: omega, radians; all per step.
+    shear_decay, sound_damping: alpha. shear_frequency, sound_frequency: omega, radians; all per step. kinetic: the
+    largest factor, 0 to 1, that a mode which is not hydrodynamic is multiplied by in a step.
     """
 
     shear_decay: float
     shear_frequency: float
     sound_damping: float
     sound_frequency: float
+    kinetic: float
 
 
 def modes(model: str, density: float, wavevector: ArrayLike, velocity: ArrayLike = (0.0, 0.0)) -> Modes:
@@ -248,7 +250,6 @@ def modes(model: str, density: float, wavevector: ArrayLike, velocity: ArrayLike
     k, c = np.asarray(wavevector, dtype=np.float64), VELOCITIES[model].cartesian
     collision = linearised_collision(model, fermi_dirac(model, density, velocity))
     values = np.linalg.eigvals((np.eye(len(c)) + collision) * np.exp(-1j * (c @ k)))
-    slowest = np.log(values[np.argsort(np.abs(values))[-3:]])
-    _, shear, _ = by_frequency = sorted(slowest, key=lambda exponent: float(exponent.imag))
-    sound = by_frequency[0]
-    return Modes(*(-float(part) for one in (shear, sound) for part in (one.real, one.imag)))
+    values = values[np.argsort(np.abs(values))]
+    sound, shear, _ = sorted(np.log(values[-3:]), key=lambda exponent: float(exponent.imag))
+    return Modes(-shear.real, -shear.imag, -sound.real, -sound.imag, float(np.abs(values[-4])))

@@ -165,8 +165,8 @@ def initial_occupations(scene: SceneEntries) -> Floats:
 
 
 def _occupations(scene: SceneEntries) -> Floats:
+    from refimpl.lattice.equilibrium import fermi_dirac
     from refimpl.lattice.gas import places
-    from refimpl.lattice.theory import fermi_dirac
 
     gas, initial, model = scene.lattice_gas, scene.initial, gas_model(scene)
     assert gas is not None

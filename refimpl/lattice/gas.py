@@ -126,11 +126,6 @@ class LatticeGas(ABC):
                 f"{down} x {across} blocks do not divide {self.rows} rows and {self.columns} columns evenly"
             )
 
-    def code(self) -> np.ndarray:
-        """States with the bit 2^b set at walls, (rows, columns) uint8."""
-        solid = 0 if self.walls is None else (self.walls > 0) * np.uint8(self.model.obstacle)
-        return self.sites | np.asarray(solid, dtype=np.uint8)
-
     def reverse(self) -> None:
         """Reverses all velocities half-way between two steps: as many steps more lead back, to the same arrays.
 

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable
-from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -47,11 +46,6 @@ class Model:
         """No state has more than one outcome."""
         return all(len(found) == 1 for found in self.outcomes)
 
-    @property
-    def obstacle(self) -> int:
-        """The bit that marks an obstacle in a site's code: 2^b."""
-        return self.velocities.states
-
     @cached_property
     def table(self) -> tuple[np.ndarray, np.ndarray]:
         """Outcomes as an array (2^b, most) of uint8, padded with zeros, and how many each state has, (2^b,)."""
@@ -65,19 +59,6 @@ class Model:
     def active(self) -> tuple[int, ...]:
         """States that a collision can change."""
         return tuple(s for s, found in enumerate(self.outcomes) if found != (s,))
-
-    def probability(self, s: int, t: int) -> Fraction:
-        """A(s -> t)."""
-        found = self.outcomes[s]
-        return Fraction(found.count(t), len(found))
-
-    @cached_property
-    def transitions(self) -> np.ndarray:
-        """A, (2^b, 2^b)."""
-        matrix = np.zeros((len(self.outcomes),) * 2)
-        for s, found in enumerate(self.outcomes):
-            matrix[s, list(found)] = 1 / len(found)
-        return matrix
 
 
 def build(name: str, velocities: VelocitySet, label: Label, *, identity: bool = False) -> Model:

@@ -71,20 +71,6 @@ class VelocitySet:
         there = [c for i, c in enumerate(self.integers) if state >> i & 1]
         return sum(a for a, _ in there), sum(b for _, b in there)
 
-    @cached_property
-    def isometries(self) -> tuple[tuple[int, ...], ...]:
-        """Point group of the lattice, as permutations of the channels: 8 on the square one, 12 on the triangular."""
-        if self.half_rows:
-            turn = tuple(self.integers.index(((a - 3 * b) // 2, (a + b) // 2)) for a, b in self.integers)
-        else:
-            turn = tuple(self.integers.index((-b, a)) for a, b in self.integers)
-        group = {tuple(range(self.channels))}
-        fresh = set(group)
-        while fresh:
-            fresh = {tuple(g[i] for i in p) for p in fresh for g in (turn, self.image(1, -1))} - group
-            group |= fresh
-        return tuple(sorted(group))
-
 
 _HEXAGON = ((2, 0), (1, 1), (-1, 1), (-2, 0), (-1, -1), (1, -1))
 _HALF = (0.5, math.sqrt(3) / 2)
@@ -95,8 +81,3 @@ SQUARE = VelocitySet(((1, 0), (0, 1), (-1, 0), (0, -1)), (1.0, 1.0), half_rows=F
 TRIANGULAR = VelocitySet(_HEXAGON, _HALF, half_rows=True)
 #: The same with a particle at rest.
 TRIANGULAR_REST = VelocitySet((*_HEXAGON, (0, 0)), _HALF, half_rows=True)
-
-
-def permuted(state: int, channels: tuple[int, ...]) -> int:
-    """The state whose channel channels[i] holds what channel i held."""
-    return sum((state >> i & 1) << j for i, j in enumerate(channels))

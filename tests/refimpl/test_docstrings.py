@@ -87,6 +87,6 @@ def test_the_walk_finds_the_public_names() -> None:
         "refimpl.events.rules.random_uniform",
         "refimpl.events.simulation.Simulation.run",
         "refimpl.lattice.gas.LatticeGas.populations",
-        "refimpl.lattice.velocities.VelocitySet.isometries",
+        "refimpl.lattice.velocities.VelocitySet.image",
     }
     assert expected <= found

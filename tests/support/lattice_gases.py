@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from refimpl.lattice.models import MODELS, build
+from refimpl.lattice.models import MODELS, Model, build
 from refimpl.lattice.velocities import SQUARE, TRIANGULAR, TRIANGULAR_REST, VelocitySet
 
 SETS = {"square": SQUARE, "triangular": TRIANGULAR, "triangular with rest": TRIANGULAR_REST}
@@ -14,9 +14,7 @@ SAT7 = {
     for name, identity in (("sat7", False), ("sat7_identity", True))
 }
 ALL = MODELS | SAT7
-FHP = {name: model for name, model in ALL.items() if name != "hpp"}
 every_model = pytest.mark.parametrize("model", ALL.values(), ids=ALL.keys())
-every_fhp = pytest.mark.parametrize("model", FHP.values(), ids=FHP.keys())
 every_set = pytest.mark.parametrize("velocities", SETS.values(), ids=SETS.keys())
 DENSITIES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 
@@ -30,3 +28,11 @@ def mean_state(velocities: VelocitySet, f: np.ndarray) -> tuple[np.ndarray, np.n
     """d and u."""
     found = mass_and_momentum(velocities, f)
     return found[..., 0] / velocities.channels, found[..., 1:] / found[..., :1]
+
+
+def table_of(model: Model) -> np.ndarray:
+    """A(s -> t) of a model's outcomes, (2^b, 2^b)."""
+    found = np.zeros((len(model.outcomes),) * 2)
+    for state, outcomes in enumerate(model.outcomes):
+        found[state, list(outcomes)] = 1 / len(outcomes)
+    return found

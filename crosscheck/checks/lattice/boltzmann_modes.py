@@ -5,12 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from crosscheck.checks.base import Check, Laboratory
 from crosscheck.checks.lattice.gases import FHP, LATTICE, State, at_densities, boltzmann_method
 from crosscheck.checks.lattice.waves import (
-    first_guess,
     mass,
     measure_mode,
     standing_wave,
@@ -21,7 +18,7 @@ from crosscheck.convergence import extrapolate
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.references import lattice_gas as known
-from crosscheck.references.lattice_models import MODELS
+from crosscheck.references.lattice_models import MODELS, modes
 from crosscheck.scene import Wave
 from crosscheck.verdict import Judged, Judgement, bounded, worst
 
@@ -39,10 +36,9 @@ def _judge(laboratory: Laboratory, state: State) -> Judged:
     shear, sound, damping = [], [], []
     for rows in sizes:
         k = wavenumber(name, rows)
-        guess = first_guess(name, density, (0.0, k))
+        guess = modes(name, density, (0.0, k))
         # the slowest mode that is not hydrodynamic has fallen to rounding
-        kinetic = float(np.sort(np.abs(guess.eigenvalues))[-4])
-        settled = 8 + int(math.log(1e-8) / math.log(max(kinetic, 1e-6)))
+        settled = 8 + int(math.log(1e-8) / math.log(max(guess.kinetic, 1e-6)))
         common: dict[str, Any] = {"rows": rows, "columns": 2, "members": 1, "every": 1, "method": method}
         if name != "hpp":
             waves = (Wave(of="velocity_x", amplitude=AMPLITUDE, mode=(0.0, 1.0)),)

@@ -1,11 +1,6 @@
 """Scenes of lattice gases, and what the checks of this folder share.
 
 Units: links and steps; d is the mean occupation of a channel.
-
-Expectations come from `crosscheck.references`. The theory of `refimpl.lattice` prepares runs (starting states, lengths,
-where a fit begins) and stands in two measured numbers, whose last digits would change otherwise: the slope by which
-`green_kubo.first_step` removes scatter, and H of Fermi-Dirac in the H theorem of ensembles. Tests compare both with the
-references.
 """
 
 from __future__ import annotations
@@ -25,7 +20,6 @@ from crosscheck.faults import Fault
 from crosscheck.references.lattice_models import MODELS, VELOCITIES
 from crosscheck.scene import Floats, LatticeGas, Method, Occupations, Output, Scene
 from crosscheck.verdict import Findings, controls, statistical, worst
-from refimpl.lattice import models, theory
 
 #: A method by its kind: the engine's own first scheme that moves a lattice gas.
 LATTICE: Kind = "lattice"
@@ -147,14 +141,6 @@ def started(found: ArrayLike, asked: ArrayLike, model: str, sites: int) -> Findi
             ]
         )
     )
-
-
-def equilibrium_start(model: str, density: float, velocity: ArrayLike) -> Floats:
-    """Fermi-Dirac occupations (b,) as scenes start with them.
-
-    model: name of the gas. density: d. velocity: (2,), links per step.
-    """
-    return theory.fermi_dirac(models.MODELS[model].velocities, density, velocity)
 
 
 def away(model: str, f: Floats) -> Floats:

@@ -22,7 +22,6 @@ from crosscheck.references.lattice_models import VELOCITIES
 from crosscheck.scene import Floats, Output
 from crosscheck.statistics import independent_mean
 from crosscheck.verdict import Judgement, statistical
-from refimpl.lattice import models, theory
 
 #: Steps over which the stress is correlated.
 LAGS = 256
@@ -93,20 +92,20 @@ def equal_times(found: Fluctuations, label: str) -> Judgement:
     )
 
 
-def first_step(name: str, found: Fluctuations, weights: Floats, label: str) -> Judgement:
+def first_step(name: str, found: Fluctuations, label: str) -> Judgement:
     """C(1)/C(0) = 1 - lambda, exactly: before the first collision the channels of a gas at rest are independent.
 
-    name: of the model. found: measured in gases at rest. weights: the moment (b,), one that relaxes with the rate of
-    the shear stress. label: of the moment, in words.
+    name: of the model. found: measured in gases at rest, of a moment that relaxes with the rate of the shear stress.
+    label: of the moment, in words.
     """
     # C(1) - slope (C(0) - 1): a slope near C(1) removes the scatter of C(0); any slope leaves the mean as it is
-    slope = 1 - theory.relaxation_rate(models.MODELS[name], found.density, weights)
+    slope = 1 - known.relaxation_rate(name, found.density)
     difference, u = independent_mean(found.first[:, 1] - slope * found.first[:, 0])
     return statistical(
         f"{label}: C(1)/C(0) of the stress",
         slope + difference,
         u,
-        1 - known.relaxation_rate(name, found.density),
+        slope,
         0.0,
         f"{BY_MEMBERS}; 1 - lambda is exact for independent channels",
         samples=MEMBERS,

@@ -17,7 +17,6 @@ from crosscheck.checks.lattice.waves import (
     Signals,
     amplitude_at_start,
     density_figure,
-    first_guess,
     mass,
     measure_mode,
     standing_wave,
@@ -45,7 +44,7 @@ def _sound(laboratory: Laboratory, state: State, amplitude: float, rows: int, co
     """Runs standing waves and fits them; amplitude: relative to d; rows: one wavelength."""
     name, density = state
     k = wavenumber(name, rows)
-    guess = first_guess(name, density, (0.0, k))
+    guess = modes(name, density, (0.0, k))
     waves = (Wave(of="density", amplitude=amplitude * density, mode=(0.0, 1.0)),)
     every = max(1, int(2 * math.pi / guess.sound_frequency) // 16)
     signals = measure_mode(
@@ -103,19 +102,19 @@ def _judge_attenuation(laboratory: Laboratory, state: State) -> Judged:
     name, density = state
     rows = 128
     k = wavenumber(name, rows)
-    steps = int(min(1.2 / first_guess(name, density, (0.0, k)).sound_damping, 4000))
+    at_k = modes(name, density, (0.0, k)).sound_damping
+    steps = int(min(1.2 / at_k, 4000))
     _, fits, signals = _sound(laboratory, state, 0.1, rows, 1024, steps)
     measured = (2 * fits[:, 0] / k**2).tolist()
     velocities = VELOCITIES[name]
     weights = velocities.cartesian[:, 1] ** 2 - known.SOUND_SPEED[name] ** 2
     rest = fluctuations(laboratory, name, density, [weights], rows)
     theory = known.longitudinal_viscosity(name, density)
-    at_k = modes(name, density, (0.0, k)).sound_damping
     omega = float(fits[:, 1].mean())
     wave, note = against_green_kubo("nu + zeta/rho", measured, (2 * at_k / k**2, theory), rest, 2 * at_k, omega)
     judgements = [equal_times(rest, "sound"), wave]
     if not velocities.rest:  # with a rest particle two rates mix in this moment
-        judgements.append(first_step(name, rest, weights, "sound"))
+        judgements.append(first_step(name, rest, "sound"))
     figures = [
         density_figure(
             "Sound attenuation over density",

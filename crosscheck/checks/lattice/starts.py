@@ -208,7 +208,7 @@ CHECKS = (
                 "fhp3",
                 Fault(
                     "loose-equilibrium",
-                    "lattice/theory.py",
+                    "lattice/equilibrium.py",
                     "left = left[(reach > 1e-8) & ",
                     "left = left[(reach > 1e-3) & ",
                     "equilibria are solved to 1e-6 or so",

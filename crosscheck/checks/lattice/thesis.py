@@ -15,7 +15,6 @@ from crosscheck.checks.base import Check, Laboratory, full
 from crosscheck.checks.lattice.boundary_layers import Layers, boundary_layers
 from crosscheck.checks.lattice.gases import LATTICE, NO_COLLISIONS, filled, gas_scene, populations
 from crosscheck.checks.lattice.waves import (
-    first_guess,
     mass,
     measure_mode,
     standing_wave,
@@ -26,11 +25,10 @@ from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
 from crosscheck.references import lattice_gas as known
 from crosscheck.references import lattice_thesis as reported
-from crosscheck.references.lattice_models import VELOCITIES, modes
+from crosscheck.references.lattice_models import VELOCITIES, Modes, modes
 from crosscheck.scene import Floats, Obstacle, Output, Wave
 from crosscheck.statistics import independent_mean
 from crosscheck.verdict import Judged, Judgement, bounded, round_off, statistical, worst
-from refimpl.lattice.theory import Modes
 
 _SOURCE = "Pliego Diaz, thesis, UNAM (1991), sec. 4.3"
 RUNS, EVERY, CELL, SAMPLES = 10, 10, 5, 1024
@@ -131,12 +129,12 @@ def _hpp_box(laboratory: Laboratory) -> Judged:
     box = _experiment(laboratory, "hpp", columns, rows, 0.5, wave)
     length = columns - 1
     k = math.pi / length
-    guess, theory = first_guess("hpp", 0.5, (k, 0.0)), modes("hpp", 0.5, (k, 0.0))
+    theory = modes("hpp", 0.5, (k, 0.0))
     peaks = {_peak(run[:, strip]) for run in box.strips for strip in (15, 45)}
     first = _cosine(box, 1)
     started = _start_of_the_sine(columns)
     begun, shares = [first[:, 0], _cosine(box, 3)[:, 0]], reported.half_sine_modes(3)
-    cosine, twin = _hpp_cosine(laboratory, rows, columns, guess), _hpp_twin(laboratory, rows, columns, guess)
+    cosine, twin = _hpp_cosine(laboratory, rows, columns, theory), _hpp_twin(laboratory, rows, columns, theory)
     (speed, u), (twin_speed, twin_u) = independent_mean(cosine[:, 1] / k), independent_mean(twin[:, 1] / k)
     (damping, u_damping), (twin_damping, u_twin) = (independent_mean(2 * one[:, 0] / k**2) for one in (cosine, twin))
     judgements = [
@@ -187,14 +185,14 @@ def _hpp_box(laboratory: Laboratory) -> Judged:
     return worst(judgements, note, (_curve("HPP box, d = 0.5", "crest, cell 15", box, 15),))
 
 
-def _hpp_cosine(laboratory: Laboratory, rows: int, columns: int, guess: Modes) -> Floats:
-    """Damping and frequency of the first cosine in a box that starts with it, (runs, 2)."""
+def _hpp_cosine(laboratory: Laboratory, rows: int, columns: int, start: Modes) -> Floats:
+    """Damping and frequency of the first cosine in a box that starts with it, (runs, 2); start: where fits begin."""
     wave = Wave(of="density", amplitude=0.1, mode=(0.5, 0.0))
     box = _whole(laboratory, "hpp", columns, rows, 0.5, wave, 10300, True)
-    return _fits(box.times, _cosine(box, 1), guess.sound_damping, guess.sound_frequency)
+    return _fits(box.times, _cosine(box, 1), start.sound_damping, start.sound_frequency)
 
 
-def _hpp_twin(laboratory: Laboratory, rows: int, columns: int, guess: Modes) -> Floats:
+def _hpp_twin(laboratory: Laboratory, rows: int, columns: int, start: Modes) -> Floats:
     """The same of one wave in a periodic gas whose length is twice that between the walls of the box.
 
     It runs along y: on the square lattice both axes are alike.
@@ -204,7 +202,7 @@ def _hpp_twin(laboratory: Laboratory, rows: int, columns: int, guess: Modes) -> 
         laboratory, "hpp", 0.5, (wave,), mass("hpp"), rows=2 * (columns - 1), columns=rows, steps=10300, every=EVERY,
         members=MANY,
     )  # fmt: skip
-    return _fits(signals.times, signals.values, guess.sound_damping, guess.sound_frequency)
+    return _fits(signals.times, signals.values, start.sound_damping, start.sound_frequency)
 
 
 def _start_of_the_sine(columns: int) -> tuple[float, float]:
@@ -222,7 +220,7 @@ def _hpp_periodic(laboratory: Laboratory) -> Judged:
     """With periodic edges the sine is a mode: bin 24; read as the index of an array that starts with 1, bin 25."""
     columns = 305
     k = 2 * math.pi / columns
-    guess, theory = first_guess("hpp", 0.5, (k, 0.0)), modes("hpp", 0.5, (k, 0.0))
+    theory = modes("hpp", 0.5, (k, 0.0))
     peaks: set[int] = set()
     speeds = []
     for amplitude in (0.1, 0.05):
@@ -232,7 +230,7 @@ def _hpp_periodic(laboratory: Laboratory) -> Judged:
             peaks = {_peak(run[:, strip]) for run in gas.strips for strip in (15, 45)}
         x = (np.arange(gas.strips.shape[2]) + 0.5) * CELL - 0.5
         signal = gas.strips @ np.sin(k * x) * 2 / x.size
-        speeds.append(_fits(gas.times, signal, guess.sound_damping, guess.sound_frequency)[:, 1] / k)
+        speeds.append(_fits(gas.times, signal, theory.sound_damping, theory.sound_frequency)[:, 1] / k)
     # half the amplitude has a quarter of the shift
     speed, u = independent_mean((4 * speeds[1] - speeds[0]) / 3)
     period = reported.HPP[0]

@@ -8,17 +8,15 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crosscheck.checks.base import Laboratory
 from crosscheck.checks.lattice.gases import LATTICE, filled, gas_scene, populations
 from crosscheck.engines.protocol import Kind
 from crosscheck.figure import Figure, Series
-from crosscheck.references.lattice_models import VELOCITIES
+from crosscheck.references.lattice_models import VELOCITIES, modes
 from crosscheck.scene import Floats, Method, Output, Wave
 from crosscheck.statistics import independent_mean
 from crosscheck.verdict import Judgement, statistical
-from refimpl.lattice import models, theory
 
 DENSITIES = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 #: Gases of one state, prepared and moved with different random numbers.
@@ -141,21 +139,12 @@ def standing_wave(times: Floats, signal: Any, damping: float, frequency: float) 
     return alpha, omega
 
 
-def first_guess(model: str, density: float, wavevector: ArrayLike, flow: float = 0.0) -> theory.Modes:
-    """Rates per step that the Boltzmann equation gives a wave, to plan its run and to begin its fit.
-
-    model: name of the gas. density: d. wavevector: (2,), 1/links. flow: velocity along y, links per step. What a wave
-    is judged by is `crosscheck.references.lattice_models.modes`.
-    """
-    return theory.modes(models.MODELS[model], density, wavevector, (0.0, flow))
-
-
 def shear_waves(laboratory: Laboratory, name: str, density: float, rows: int) -> Signals:
     """Momentum of shear waves as they decay, one wavelength on these rows, u0 = `SHEAR`.
 
     laboratory: runs the gases. name: of the model. density: d.
     """
-    rate = first_guess(name, density, (0.0, wavenumber(name, rows))).shear_decay
+    rate = modes(name, density, (0.0, wavenumber(name, rows))).shear_decay
     steps = int(min(1.5 / rate, 6000))
     return measure_mode(
         laboratory,
@@ -176,7 +165,7 @@ def viscosities(signals: Signals, name: str, density: float, rows: int) -> list[
     signals: of `shear_waves` of this gas. name: of the model. density: d. rows: one wavelength.
     """
     k = wavenumber(name, rows)
-    rate = first_guess(name, density, (0.0, k)).shear_decay
+    rate = modes(name, density, (0.0, k)).shear_decay
     return [decay_rate(signals.times, s, rate) / k**2 for s in signals.values]
 
 

@@ -28,7 +28,7 @@ from refimpl.lattice.kernels.words import (
     splat,
     store,
 )
-from refimpl.lattice.logic import draws, program
+from refimpl.lattice.logic import draws
 from refimpl.lattice.randomness import COLLISION, DIGITS, FORCING, ROW, WALLS, random_word, row_key
 
 #: Words before and after the words of a row.
@@ -65,10 +65,6 @@ def _with_one_draw(model, occupied, key, place):  # type: ignore[no-untyped-def]
 
 
 def _with_two_draws(model, occupied, key, place):  # type: ignore[no-untyped-def]
-    return collided(model, occupied, (_word(key, 0, place), _word(key, 1, place)))[0]
-
-
-def _with_rejection(model, occupied, key, place):  # type: ignore[no-untyped-def]
     bits = (_word(key, 0, place), _word(key, 1, place))
     after, again = collided(model, occupied, bits)
     draw = 2
@@ -84,8 +80,6 @@ def _collision(outcomes):  # type: ignore[no-untyped-def]
     number = draws(outcomes)
     if number > 2:
         raise ValueError(f"a state has too many outcomes for two random bits: {number} are needed")
-    if number == 2 and program(outcomes).rejected is not None:
-        return _with_rejection
     return (_without_draws, _with_one_draw, _with_two_draws)[number]
 
 

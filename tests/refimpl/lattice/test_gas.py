@@ -384,15 +384,6 @@ def test_walls_do_not_collide_nor_feel_the_force() -> None:
     assert not gas.impulses.any()
 
 
-def test_obstacles_in_the_code_of_sites() -> None:
-    for model in MODELS.values():
-        sites, walls = random_sites(model, 4, 20), np.zeros((4, 20), dtype=np.uint8)
-        np.testing.assert_array_equal(PlainGas(model, sites).code(), sites)
-        walls[1, 3:7], walls[2, 5] = SPECULAR_Y, DRAW_X
-        code = PlainGas(model, sites, walls=walls).code()
-        np.testing.assert_array_equal(code, sites + (walls > 0) * 2**model.channels)
-
-
 # -- the force ---------------------------------------------------------------------------------------------------------
 
 

@@ -12,11 +12,32 @@ import numpy as np
 import pytest
 
 from refimpl.lattice.models import MODELS, Model, build
-from refimpl.lattice.velocities import SQUARE, TRIANGULAR, TRIANGULAR_REST, VelocitySet, permuted
+from refimpl.lattice.velocities import SQUARE, TRIANGULAR, TRIANGULAR_REST, VelocitySet
 
 SETS = {"square": SQUARE, "triangular": TRIANGULAR, "triangular with rest": TRIANGULAR_REST}
 every_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS.keys())
 every_set = pytest.mark.parametrize("velocities", SETS.values(), ids=SETS.keys())
+
+
+def probability(model: Model, s: int, t: int) -> Fraction:
+    """A(s -> t)."""
+    return Fraction(model.outcomes[s].count(t), len(model.outcomes[s]))
+
+
+def isometries(velocities: VelocitySet) -> set[tuple[int, ...]]:
+    """Point group of the lattice, as permutations of the channels: of a turn by one link, and of a reflection."""
+    movers = velocities.channels - len(velocities.rest)
+    turn = (*((i + 1) % movers for i in range(movers)), *velocities.rest)
+    group = fresh = {tuple(range(velocities.channels))}
+    while fresh:
+        fresh = {tuple(g[i] for i in p) for p in fresh for g in (turn, velocities.image(1, -1))} - group
+        group = group | fresh
+    return group
+
+
+def permuted(state: int, channels: tuple[int, ...]) -> int:
+    """The state whose channel channels[i] holds what channel i held."""
+    return sum((state >> i & 1) << j for i, j in enumerate(channels))
 
 
 def occupations(state: int, channels: int) -> list[int]:
@@ -66,8 +87,8 @@ def test_columns_follow_positions(velocities: VelocitySet) -> None:
 
 @pytest.mark.parametrize(("velocities", "order"), [(SQUARE, 8), (TRIANGULAR, 12), (TRIANGULAR_REST, 12)])
 def test_isometries_are_the_point_group(velocities: VelocitySet, order: int) -> None:
-    group = set(velocities.isometries)
-    assert len(group) == len(velocities.isometries) == order
+    group = isometries(velocities)
+    assert len(group) == order
     assert all(tuple(p[i] for i in q) in group for p in group for q in group)
     c = np.array(velocities.integers) * ((1, 1) if velocities is SQUARE else (1, 3))
     products = np.array(velocities.integers) @ c.T
@@ -86,7 +107,7 @@ def test_images_reverse_components(velocities: VelocitySet) -> None:
 def test_a_permutation_of_a_state() -> None:
     assert permuted(0b0011, (1, 2, 3, 0)) == 0b0110
     for velocities in SETS.values():
-        for p, s in product(velocities.isometries, range(velocities.states)):
+        for p, s in product(isometries(velocities), range(velocities.states)):
             turned = permuted(s, p)
             assert occupations(s, velocities.channels) == [turned >> j & 1 for j in p]
 
@@ -105,17 +126,16 @@ def test_mass_and_momentum_are_conserved(model: Model) -> None:
 @every_model
 def test_probabilities_and_semi_detailed_balance(model: Model) -> None:
     states = range(model.velocities.states)
-    table = [[model.probability(s, t) for t in states] for s in states]
+    table = [[probability(model, s, t) for t in states] for s in states]
     assert all(sum(row) == 1 for row in table)
     assert all(sum(column) == 1 for column in zip(*table, strict=True))
     # these tables have more: detailed balance
     assert all(table[s][t] == table[t][s] for s in states for t in range(s))
-    np.testing.assert_array_equal(model.transitions, np.array(table, dtype=float))
 
 
 @every_model
 def test_tables_are_invariant_under_isometries(model: Model) -> None:
-    for p in model.velocities.isometries:
+    for p in isometries(model.velocities):
         for s, found in enumerate(model.outcomes):
             assert sorted(permuted(t, p) for t in found) == sorted(model.outcomes[permuted(s, p)])
 
@@ -212,8 +232,8 @@ def test_classes_of_the_saturated_table(name: str) -> None:
     }
     includes = name == "fhp_saturated_identity"
     assert all((s in model.outcomes[s]) == includes for s in model.active)
-    assert model.probability(9, 18) == (Fraction(1, 3) if includes else Fraction(1, 2))
-    assert model.probability(1, 1) == 1
+    assert probability(model, 9, 18) == (Fraction(1, 3) if includes else Fraction(1, 2))
+    assert probability(model, 1, 1) == 1
 
 
 def test_a_label_restricts_collisions() -> None:

@@ -14,7 +14,6 @@ from crosscheck.checks.lattice.gases import (
     at_densities,
     away,
     boltzmann_method,
-    equilibrium_start,
     gas_scene,
     methods_for,
     started,
@@ -42,14 +41,6 @@ def test_occupations_away_from_equilibrium(data: st.DataObject) -> None:
     # twice as far, one channel is empty or full
     twice = 2 * moved - f
     np.testing.assert_allclose(np.minimum(twice, 1 - twice).min(), 0, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_starting_equilibrium_is_that_of_the_references(name: str) -> None:
-    for density in (0.2, 0.3, 0.4):
-        for velocity in ((0.1, 0.05), (0.2, 0.1)):
-            start, reference = equilibrium_start(name, density, velocity), fermi_dirac(name, density, velocity)
-            np.testing.assert_allclose(start, reference, rtol=0, atol=1e-15)
 
 
 # -- names, scenes and schemes -----------------------------------------------------------------------------------------

@@ -13,11 +13,10 @@ from crosscheck.checks.lattice.waves import (
     Signals,
     amplitude_at_start,
     decay_rate,
-    first_guess,
     standing_wave,
     wavenumber,
 )
-from crosscheck.references.lattice_models import MODELS, VELOCITIES, modes
+from crosscheck.references.lattice_models import MODELS, VELOCITIES
 
 #: Runs of noise, whose mean is compared with its standard error; 5.5 of them by chance once in 3e7.
 MEMBERS, LIMIT = 64, 5.5
@@ -77,16 +76,6 @@ def test_damping_and_frequency_of_a_wave_with_noise() -> None:
     ]
     assert_unbiased([damping for damping, _ in found], alpha, 0.01 * alpha)
     assert_unbiased([frequency for _, frequency in found], omega, 1e-3 * omega)
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_the_guess_of_a_wave_is_what_it_is_judged_by(name: str) -> None:
-    """Two derivations of the modes, from two tables of the same collisions, agree to rounding."""
-    for density in (0.1, 0.3, 0.6):
-        for flow in (0.0, 0.1):
-            k = wavenumber(name, 128)
-            guess, judge = first_guess(name, density, (0.0, k), flow), modes(name, density, (0.0, k), (0.0, flow))
-            assert guess[1:] == pytest.approx(judge, rel=1e-9, abs=1e-13)
 
 
 @pytest.mark.parametrize("name", MODELS)
