@@ -34,10 +34,8 @@ from refimpl.stepping.forces.generic import (
     kinetic_energy,
     operations,
     periods,
-    potential_energy,
     renew,
     status,
-    virial,
 )
 from refimpl.stepping.kernels.lennard_jones import between_walls, tile_accelerations, tile_energy, wall_energy
 from refimpl.stepping.kernels.neighbours import (
@@ -305,27 +303,12 @@ def _accelerate(force: LennardJones, r: np.ndarray, v: np.ndarray) -> np.ndarray
     return a
 
 
-@register_jitable
-def _pair_sums(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
-    if not _lists_are_valid_for(force, r):
-        return np.nan, np.nan
-    return tile_energy(force)
-
-
 @implements(energy_and_virial, LennardJones)
 def _energies(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
-    energy, work = _pair_sums(force, r)
+    if not _lists_are_valid_for(force, r):
+        return np.nan, np.nan
+    energy, work = tile_energy(force)
     return energy + _wall_energy(force.walls, force.neighbours.sides, force.lengths, r), work
-
-
-@implements(potential_energy, LennardJones)
-def _potential_energy(force: LennardJones, r: np.ndarray) -> float:
-    return _pair_sums(force, r)[0] + _wall_energy(force.walls, force.neighbours.sides, force.lengths, r)
-
-
-@implements(virial, LennardJones)
-def _virial(force: LennardJones, r: np.ndarray) -> float:
-    return _pair_sums(force, r)[1]
 
 
 @register_jitable

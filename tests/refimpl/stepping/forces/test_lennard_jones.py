@@ -4,6 +4,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from energies import potential_energy, virial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_lennard_jones import pair_energy, pair_slope, plain_forces
@@ -16,9 +17,7 @@ from refimpl.stepping.forces.generic import (
     enlarge,
     kinetic_energy,
     operations,
-    potential_energy,
     status,
-    virial,
 )
 from refimpl.stepping.forces.lennard_jones import (
     FORCE_EVALUATIONS,
