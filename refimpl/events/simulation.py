@@ -574,7 +574,7 @@ def _scratch(d: int, width: int) -> loop.Scratch:
 
 
 def _trace() -> loop.Trace:
-    length = 1 << 7
+    length = 1 << 6  # short: that it is full is no rare case
     return loop.Trace(
         np.zeros(length), np.zeros((length, 2), np.int64), np.zeros(1, np.int64), np.zeros((length, 2, 9))
     )

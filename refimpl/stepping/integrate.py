@@ -35,7 +35,7 @@ from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
 
 #: Coordinates further from the origin than so many periods are brought back, looked for after every STRIDE steps.
 FAR_OUT = 2.0**12
-STRIDE = 2**14
+STRIDE = 2**8
 
 
 def step(self: Any, force: Force, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
