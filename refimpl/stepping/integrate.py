@@ -228,7 +228,8 @@ def integrate(
     while starts:
         # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
-        outcome = status(force)
+        # of a start that does not evaluate the force, it would be that of another run
+        outcome = status(force) if table.start_evaluations else GOOD
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
         if larger is None:
             break
