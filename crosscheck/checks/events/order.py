@@ -45,8 +45,10 @@ def _ring() -> Scene:
 
 
 def _beside_a_wall() -> Scene:
-    """A ball that meets a wall and another ball at one time, and a third that meets two walls: there no order counts."""
-    x, v = [[3.0, 1.5], [3.0, 3.5], [9.0, 9.0]], [[0.0, -1.0], [0.0, -2.0], [-2.5, -2.5]]
+    """Two balls, one after the other, that meet a wall and another ball at one time; and one in a corner, where no
+    order counts."""
+    x = [[3.0, 1.5], [3.0, 3.5], [7.0, 10.0], [7.0, 7.5], [10.5, 9.0]]
+    v = [[0.0, -1.0], [0.0, -2.0], [0.0, 1.0], [0.0, 2.0], [4.0, 2.0]]
     return Scene(
         name="beside-a-wall",
         dimension=2,

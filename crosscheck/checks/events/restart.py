@@ -13,8 +13,8 @@ from crosscheck.faults import Fault
 from crosscheck.scene import Method, Observable, Output
 from crosscheck.verdict import Judged, Judgement, worst
 
-#: Every so many rows of `events/audit`, the first of which is this one, with the first ones that measure fields; and the
-#: share of their duration.
+#: Every so many rows of `events/audit`, the first of which is this one; so many of the first ones that measure fields;
+#: and the share of their duration.
 EVERY, FIRST, WITH_FIELDS, SHARE = 9, 2, 2, 0.5
 _SUMS: tuple[Observable, ...] = ("kinetic_energy", "kinetic_energy_integral", "collisions", "wall_impulse")
 #: Duration of the crowd, in whose first half the small disks gather.
