@@ -310,3 +310,13 @@ def test_acceleration_enlarges_the_force() -> None:
     a, larger = acceleration(force, R, V)
     np.testing.assert_array_equal(a, -R)
     assert larger.room >= 1
+
+
+@pytest.mark.parametrize(("scheme", "evaluations"), [("euler", 0), ("velocity_verlet", 1)])
+def test_what_a_force_could_not_do_before_is_no_reason_to_enlarge_it(scheme: str, evaluations: int) -> None:
+    """A start that does not evaluate the force was repeated, and the force enlarged, without end."""
+    force = fussy(5.0)
+    force.state[STATUS] = NEEDS_CAPACITY
+    run = integrate(scheme, force, R, V, 0.1, 0)
+    assert run.force.state[SEEN] == evaluations
+    assert run.force.state[ENLARGED] == 0
