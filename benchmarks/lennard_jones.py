@@ -95,7 +95,7 @@ def compare(number: int) -> None:
     r, v, side, version = pipe.recv()
 
     # Not before the other process has started: LAMMPS and numba do not share one.
-    from refimpl.stepping.forces.generic import kinetic_energy, potential_energy
+    from refimpl.stepping.forces.generic import energy_and_virial, kinetic_energy
     from refimpl.stepping.forces.lennard_jones import FORCE_EVALUATIONS, LIST_BUILDS, lennard_jones
     from refimpl.stepping.integrate import integrate
     from refimpl.stepping.kernels.neighbours import PRUNES
@@ -103,7 +103,7 @@ def compare(number: int) -> None:
     force = lennard_jones(number=number, dimension=3, lengths=[side] * 3, periodic=[True] * 3, cutoff=CUTOFF)
 
     def energy() -> float:
-        return float(potential_energy(force, r) + kinetic_energy(force, v)) / number
+        return float(energy_and_virial(force, r)[0] + kinetic_energy(force, v)) / number
 
     began = time.process_time()
     integrate("velocity_verlet", force, r, v, DT, 1)

@@ -40,6 +40,9 @@ def halves(laboratory: Laboratory, scene: Scene, method: Method | Kind, name: st
     for key in [name for name in whole if name != "time"]:
         sampled = TABLE[key].axes[0] == "sample"
         asked, found_then = whole[key][middle:] if sampled else whole[key], second[key]
+        if key.startswith("field_initial_"):  # of the first half, and of the second one what the first has left
+            asked = np.stack([asked, first[key.replace("initial", "final")]])
+            found_then = np.stack([first[key], found_then])
         if TABLE[key].cumulative:
             total = found_then + (first[key][-1] if sampled else first[key])
             size = float(np.abs(whole[key]).max())

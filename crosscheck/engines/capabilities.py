@@ -179,8 +179,7 @@ class Needs:
     names that the engine's attribute `promises` must hold; "speed": its speed may be judged; "interpretable": where the
     environment has NUMBA_DISABLE_JIT, it runs as plain Python, for scenes too small to be worth a compilation;
     "operations": it counts them exactly, in `Cost`; "restarts": it goes on with the same bits, see
-    `protocol.Restartable`; "ties": a run remarks how many events took place at the same time as another one of the same
-    particle, and the time of the first.
+    `protocol.Restartable`; "remarks_on_order": it remarks on events at one time whose order decides what follows.
     """
 
     interaction: str

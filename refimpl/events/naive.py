@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from refimpl.events.kernels.compiled import kernel
-from refimpl.events.model import Floats, HardSpheres
+from refimpl.events.kernels.compiled import inline, kernel
+from refimpl.events.model import Floats, HardSpheres, Vector, Well
 from refimpl.events.prediction import (
     NEVER,
     contact_distance,
@@ -231,6 +231,20 @@ def advance_all(model: HardSpheres, rows: Floats, turns: NDArray[np.int64], span
                 turns[i, k] += np.int64(turn)
 
 
+@inline
+def _at_well_edge(
+    well: Well | None, model: HardSpheres, rows: Floats, bonds: Any, i: int, j: int, n: Vector, distance: float,
+    gn: float,
+) -> bool:  # fmt: skip
+    """Applies the event at the edge of a well, if the pair is there; whether it was."""
+    if well is None:
+        return False
+    if not at_edge(well, model, i, j, distance * distance):
+        return False
+    pass_edge(well, model, rows, bonds, i, j, n, gn)
+    return True
+
+
 @kernel
 def apply_event(
     model: HardSpheres, rows: Floats, spins: Any, bonds: Any, i: int, j: int, hits: NDArray[np.int64], now: float
@@ -252,10 +266,8 @@ def apply_event(
     distance = np.sqrt(x * x + y * y + z * z)
     x, y, z = x / distance, y / distance, z / distance
     gn = (rows[j, 3] - rows[i, 3]) * x + (rows[j, 4] - rows[i, 4]) * y + (rows[j, 5] - rows[i, 5]) * z
-    collided = not at_edge(model.well, model, i, j, distance * distance)
-    if not collided:
-        pass_edge(model.well, model, rows, bonds, i, j, (x, y, z), gn)
-    else:
+    collided = not _at_well_edge(model.well, model, rows, bonds, i, j, (x, y, z), distance, gn)
+    if collided:
         recent = still_in_contact(model.contact_duration, now - max(rows[i, _LAST], rows[j, _LAST]))
         alpha = normal_restitution(model.restitution, recent)
         impulse = pair_impulse(model.rough, spins, model, rows, i, j, (x, y, z), gn, alpha, recent)

@@ -391,21 +391,17 @@ def _unbind(bonds: Any, i: int, j: int) -> None:
 
 
 @inline
-def at_edge(well: Well | None, model: HardSpheres, i: int, j: int, distance2: float) -> bool:
+def at_edge(well: Well, model: HardSpheres, i: int, j: int, distance2: float) -> bool:
     """Whether a pair that has an event is at the edge of its well, not at its core; distance2: squared distance."""
-    if well is None:
-        return False
     middle = 0.5 * (1.0 + well.range) * contact_distance(model.diameter, model.radii, i, j)
     return distance2 >= middle * middle
 
 
 @inline
 def pass_edge(
-    well: Well | None, model: HardSpheres, rows: Floats, bonds: Any, i: int, j: int, n: Vector, gn: float
+    well: Well, model: HardSpheres, rows: Floats, bonds: Any, i: int, j: int, n: Vector, gn: float
 ) -> tuple[float, float]:
     """The rule at the edge of a well: impulse along the normal n, and energy that binds the pair more."""
-    if well is None:
-        return 0.0, 0.0
     inside = bonded(bonds, i, j)
     mass = reduced_mass(model.mass, model.inverse_masses, i, j)
     new, held = well_velocity(gn, inside, 2.0 * well.depth / mass)

@@ -164,11 +164,9 @@ class Simulation:
                 return
             if status == loop.COLLAPSED:
                 self.stopped = self._collapse()
-            elif status == loop.TRACE_FULL:
-                continue
             elif status == loop.PAUSED:
                 self._rebase_clock()
-            else:
+            elif status != loop.TRACE_FULL:
                 self._enlarge(status)
 
     def _collect_trace(self) -> None:
@@ -399,19 +397,6 @@ class Simulation:
         """Events that change a velocity: collisions, edges of wells, walls."""
         return int(self._progress[loop.INTERACTIONS])
 
-    def last_collisions(self) -> Floats:
-        """(N,) times of the last collision of each particle, -inf for those without one; kept for the TC model only."""
-        if self._particles.last is None:
-            raise ValueError("times of the last collisions are kept for a model with a contact duration only")
-        times: Floats = self._base[0] + (self._base[1] + self._particles.last)
-        return times
-
-    def wall_hits(self) -> NDArray[np.int64]:
-        """(N,) numbers of collisions with walls, which number the draws of random ones; kept for these only."""
-        if self._particles.hits is None:
-            raise ValueError("collisions of each particle with walls are counted where walls are random only")
-        return self._particles.hits.copy()
-
     def masses(self) -> Floats:
         """(N,), 0 for fixed particles: they have no kinetic energy."""
         return masses_of(self.model, self.number)
@@ -589,7 +574,7 @@ def _scratch(d: int, width: int) -> loop.Scratch:
 
 
 def _trace() -> loop.Trace:
-    length = 1 << 12
+    length = 1 << 6  # short: that it is full is no rare case
     return loop.Trace(
         np.zeros(length), np.zeros((length, 2), np.int64), np.zeros(1, np.int64), np.zeros((length, 2, 9))
     )

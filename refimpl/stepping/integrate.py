@@ -35,7 +35,7 @@ from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
 
 #: Coordinates further from the origin than so many periods are brought back, looked for after every STRIDE steps.
 FAR_OUT = 2.0**12
-STRIDE = 2**14
+STRIDE = 2**10
 
 
 def step(self: Any, force: Force, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
@@ -228,7 +228,8 @@ def integrate(
     while starts:
         # called once, so it runs as plain Python, calls the same compiled forces, and is not compiled itself
         memory = record.start(force, r, v, dt)
-        outcome = status(force)
+        # of a start that does not evaluate the force, it would be that of another run
+        outcome = status(force) if table.start_evaluations else GOOD
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)
         if larger is None:
             break

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, quick
@@ -19,16 +21,29 @@ _LENGTHS = (26.0, 24.0)
 _RING, _DURATION = 9.0, 8.0
 
 
-def crowd(seed: int) -> Scene:
+#: Radius of a ring all of which is in the well of the large disk.
+_WITHIN = 4.2
+#: Words of these scenes.
+CROWDED = "dimension=2 hard_spheres.diameter[] hard_spheres.well masses[] box.boundaries=periodic"
+
+
+class _Start(NamedTuple):
+    """seed: of the velocities. radius: of the ring at the start."""
+
+    seed: int
+    radius: float = _RING
+
+
+def crowd(seed: int, radius: float = _RING) -> Scene:
     """A ring of small disks that move towards a large one in its middle, which attracts them, and they each other.
 
-    seed: of their velocities.
+    seed: of their velocities. radius: of the ring at the start.
     """
     rng = np.random.default_rng(seed)
     angles = 2 * np.pi * np.arange(SMALL) / SMALL
     out = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     along = np.stack([-out[:, 1], out[:, 0]], axis=1)
-    x = np.array(_LENGTHS) / 2 + _RING * out
+    x = np.array(_LENGTHS) / 2 + radius * out
     v = -rng.uniform(0.95, 1.05, (SMALL, 1)) * out + rng.uniform(-0.05, 0.05, (SMALL, 1)) * along
     species = np.insert(np.zeros(SMALL, int), LARGE, 1)
     return Scene(
@@ -48,8 +63,8 @@ def crowd(seed: int) -> Scene:
     )
 
 
-def _judge(laboratory: Laboratory, seed: int) -> Judged:
-    scene = crowd(seed)
+def _judge(laboratory: Laboratory, start: _Start) -> Judged:
+    scene = crowd(*start)
     run = laboratory.run(scene, EVENT_DRIVEN)
     found = audit(scene, run)
     judgements = [
@@ -72,9 +87,9 @@ CHECKS = (
         citation="Alder & Wainwright, J. Chem. Phys. 31, 459 (1959)",
         judge=_judge,
         # the event for which there is no room: in `refimpl`, the large disk is its first or its second partner
-        variants=quick(first=3, second=10),
+        variants=quick(first=_Start(3), second=_Start(10), gathered=_Start(3, _WITHIN)),
         needs=event_driven(
-            "dimension=2 hard_spheres.diameter[] hard_spheres.well masses[] box.boundaries=periodic",
+            CROWDED,
             "positions velocities kinetic_energy potential_energy "
             "event_times event_partners event_positions event_velocities",
         ),

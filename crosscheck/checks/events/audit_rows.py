@@ -156,6 +156,8 @@ def row_scene(row: Row, number: int) -> Scene:
     # towards the middle of open axes: they would fly off before they have met
     inwards = np.where(np.array(boundaries) == "open", 1.2 * (x - x.mean(axis=0)), 0.0)
     v = np.where(fixed[:, None], 0.0, (rng.normal(size=x.shape) - inwards))
+    if row["cylinder"] != "none" and row["field"] == "none":
+        v[0] = 0.0  # at rest, it never gets to the cylinder by itself
     spins = np.where(fixed[:, None], 0.0, rng.normal(size=(len(x), 1 if d == 2 else 3)))
     if row["start"] == "images away":
         x += np.where(np.array(boundaries) == "periodic", rng.integers(-2, 3, x.shape) * lengths, 0.0)

@@ -30,12 +30,16 @@ _SCHEME = "velocity_verlet"
 
 
 class Motion(NamedTuple):
-    """A scene in which pairs come and go. dt: time step. steps: of the run. every: steps between recorded states."""
+    """A scene in which pairs come and go.
+
+    dt: time step. steps: of the run. every: steps between recorded states. scheme: by which it moves.
+    """
 
     scene: Scene
     dt: float
     steps: int
     every: int
+    scheme: str = _SCHEME
 
 
 def _grid(rng: np.random.Generator, counts: tuple[int, ...], spacing: float) -> np.ndarray:
@@ -99,17 +103,20 @@ def _motions() -> dict[str, Motion]:
         "fast-couple": Motion(couple, 0.004, 36, 12),
         "closing-in": Motion(closing, 0.0095, 10, 5),
         "drop": Motion(drop, 0.004, 2, 1),
+        # lists outgrow their memory where the energies of the start are asked for, and in the first of two evaluations
+        "drop-euler": Motion(drop, 0.004, 1, 1, "euler"),
+        "drop-beeman": Motion(drop, 0.004, 1, 1, "beeman"),
     }
 
 
 def _judge(laboratory: Laboratory, motion: Motion) -> Judged:
-    scene, dt, steps, every = motion
-    scene, method = scene.changed(duration=steps * dt), Method(scheme=_SCHEME, dt=dt)
+    scene, dt, steps, every, scheme = motion
+    scene, method = scene.changed(duration=steps * dt), Method(scheme=scheme, dt=dt)
     ledger = Ledger()
     silent = asking(laboratory.engine, scene, dt, trajectory=False)
     run = run_or_refuse(laboratory, ledger, silent, method)
     if run is not None:
-        expected = Expected(scene, _SCHEME, dt, steps)
+        expected = Expected(scene, scheme, dt, steps)
         audit_energies(ledger, silent, expected, run, 1, "no states recorded")
         audit_steps(ledger, expected, run, steps, 1, "no states recorded")
         recorded = asking(laboratory.engine, scene, every * dt)
@@ -120,7 +127,7 @@ def _judge(laboratory: Laboratory, motion: Motion) -> Judged:
 
 
 def _needs(motion: Motion) -> Needs:
-    return Needs("lennard_jones", words=words(motion.scene))
+    return Needs("lennard_jones", words=words(motion.scene), schemes=(motion.scheme,))
 
 
 _LISTS = "stepping/kernels/neighbours.py"
@@ -157,7 +164,7 @@ CHECKS = (
                 ),
             ),
         ),
-        needs=Needs("lennard_jones", schemes=(_SCHEME,)),
+        needs=Needs("lennard_jones"),
         interpreted=True,
     ),
 )

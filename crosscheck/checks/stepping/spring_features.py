@@ -72,8 +72,8 @@ CHECKS = (
                 Fault(
                     "spring-virial-sign",
                     "stepping/forces/spring.py",
-                    "return -force.k * sum_of_squares(r)",
-                    "return force.k * sum_of_squares(r)",
+                    "return 0.5 * squares, -squares",
+                    "return 0.5 * squares, squares",
                     "the virial has the wrong sign",
                 ),
             ),

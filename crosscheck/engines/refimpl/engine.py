@@ -139,7 +139,7 @@ class RefimplEngine:
     )
     #: Speeds that it is held to, against the peers that the checks name; that thousands of steps of some hundred
     #: particles take seconds; that its kernels run as plain Python too; and that it counts its operations.
-    promises = ("speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "ties")
+    promises = ("speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "remarks_on_order")
 
     def version(self) -> str:
         import numba

@@ -34,27 +34,15 @@ def accelerate(force: Force, r: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 @dispatched()
-def potential_energy(force: Force, r: np.ndarray) -> float:
-    """Total potential energy U(r)."""
-    raise NotImplementedError("this force has no potential energy")
-
-
-@dispatched()
 def kinetic_energy(force: Force, v: np.ndarray) -> float:
     """Total kinetic energy K = sum m v^2 / 2, with the masses that the force holds."""
     raise NotImplementedError("this force holds no masses")
 
 
 @dispatched()
-def virial(force: Force, r: np.ndarray) -> float:
-    """Virial W = sum over pairs of r_ij . F_ij; the pressure is (2 K + W)/(d V)."""
-    raise NotImplementedError("this force has no virial")
-
-
-@dispatched()
 def energy_and_virial(force: Force, r: np.ndarray) -> tuple[float, float]:
-    """U(r) and W(r) together; a force that finds both in one pass over its pairs implements this itself."""
-    return potential_energy(force, r), virial(force, r)
+    """Total potential energy U, and virial W = sum over pairs of r_ij . F_ij; the pressure is (2 K + W)/(d V)."""
+    raise NotImplementedError("this force has no potential energy")
 
 
 @dispatched()

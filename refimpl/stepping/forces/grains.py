@@ -239,7 +239,7 @@ def grains(
         raise ValueError(f"periodic sides must exceed two diameters, {2 * diameter}, got {sides}")
     rough = inertia is not None
     rows = [[*wall[:3], *wall[4:], *_row(wall.law)] for wall in walls]
-    pairs, reach2, touching, stretches = _room(number * dimension, rough)
+    pairs, reach2, touching, stretches = _room(number, rough)
     return Grains(
         sides=sides,
         radii=radii,
@@ -335,7 +335,7 @@ def _status(force: Grains) -> int:
 
 @implements(enlarge, Grains)
 def _enlarge(force: Grains) -> Grains:
-    larger = _room(int(1.25 * force.bookkeeping[NEEDED]) + 8, force.inverse_inertias is not None)
+    larger = _room(int(1.25 * force.bookkeeping[NEEDED]) + 1, force.inverse_inertias is not None)
     for before, array in zip((force.pairs, force.reach2, force.touching, force.stretches), larger, strict=True):
         array[: len(before)] = before
     pairs, reach2, touching, stretches = larger

@@ -15,9 +15,7 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     energy_and_virial,
     kinetic_energy,
-    potential_energy,
     status,
-    virial,
 )
 from refimpl.stepping.kernels import gravity as kernels
 
@@ -157,16 +155,6 @@ def _accelerate(force: Gravity, r: np.ndarray, v: np.ndarray) -> np.ndarray:
 @implements(energy_and_virial, Gravity)
 def _energies(force: Gravity, r: np.ndarray) -> tuple[float, float]:
     return _energy_and_virial(r, force.mass, force.z, force.G, force.softening)
-
-
-@implements(potential_energy, Gravity)
-def _potential_energy(force: Gravity, r: np.ndarray) -> float:
-    return _energy_and_virial(r, force.mass, force.z, force.G, force.softening)[0]
-
-
-@implements(virial, Gravity)
-def _virial(force: Gravity, r: np.ndarray) -> float:
-    return _energy_and_virial(r, force.mass, force.z, force.G, force.softening)[1]
 
 
 @implements(kinetic_energy, Gravity)

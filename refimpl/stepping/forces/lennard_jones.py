@@ -9,8 +9,8 @@ the cutoff r_c do not interact. Nearer ones have, by `truncation`,
 | "shifted"       | phi(r) - phi(r_c)                              | -phi'(r)             |
 | "force_shifted" | phi(r) - phi(r_c) - (r - r_c) phi'(r_c)        | -phi'(r) + phi'(r_c) |
 
-Unlike pairs: sigma_ij = (sigma_i + sigma_j)/2, eps_ij = sqrt(eps_i eps_j) (Lorentz-Berthelot). The readable routine is
-`plain_forces`, O(N^2); integrators get its fast twin, refimpl.stepping.kernels.lennard_jones, O(N).
+Unlike pairs: sigma_ij = (sigma_i + sigma_j)/2, eps_ij = sqrt(eps_i eps_j) (Lorentz-Berthelot). The sums over pairs are
+in refimpl.stepping.kernels.lennard_jones, O(N).
 
 Literature: J. E. Lennard-Jones, Proc. Phys. Soc. 43, 461 (1931); L. Verlet, Phys. Rev. 159, 98 (1967); M. P. Allen and
 D. J. Tildesley, Computer Simulation of Liquids (1987), sections 1.3, 2.8 and 5.2-5.3.
@@ -19,7 +19,6 @@ D. J. Tildesley, Computer Simulation of Liquids (1987), sections 1.3, 2.8 and 5.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,10 +34,8 @@ from refimpl.stepping.forces.generic import (
     kinetic_energy,
     operations,
     periods,
-    potential_energy,
     renew,
     status,
-    virial,
 )
 from refimpl.stepping.kernels.lennard_jones import between_walls, tile_accelerations, tile_energy, wall_energy
 from refimpl.stepping.kernels.neighbours import (
@@ -80,14 +77,6 @@ class Walls(NamedTuple):
     epsilon: float
     sigma: float
     cutoff: float
-
-
-class Tails(NamedTuple):
-    """What the pairs beyond the cutoff would add: energy and virial of all particles, and pressure."""
-
-    energy: float
-    virial: float
-    pressure: float
 
 
 class LennardJones(NamedTuple):
@@ -247,103 +236,6 @@ def _with_slots(force: LennardJones) -> LennardJones:
     return force._replace(slot_size=np.zeros(slots), slot_strength=np.zeros(slots))
 
 
-@register_jitable
-def pair_energy(r: Any, epsilon: Any, sigma: Any) -> Any:
-    """phi(r) = 4 epsilon [(sigma/r)^12 - (sigma/r)^6], elementwise, without truncation; sigma, r: lengths."""
-    s6 = (sigma / r) ** 6
-    return 4.0 * epsilon * (s6 * s6 - s6)
-
-
-@register_jitable
-def pair_slope(r: Any, epsilon: Any, sigma: Any) -> Any:
-    """phi'(r) = -(24 epsilon/r) [2 (sigma/r)^12 - (sigma/r)^6], elementwise; the force is -phi'(r) r_ij/r."""
-    s6 = (sigma / r) ** 6
-    return -24.0 * epsilon * (2.0 * s6 * s6 - s6) / r
-
-
-def _parameters(force: LennardJones) -> tuple[np.ndarray, np.ndarray]:
-    """epsilon and sigma of every particle."""
-    if force.species is None or force.species_epsilon is None or force.species_sigma is None:
-        number = len(force.neighbours.order)
-        return np.full(number, force.epsilon), np.full(number, force.sigma)
-    return force.species_epsilon[force.species], force.species_sigma[force.species]
-
-
-def plain_forces(force: LennardJones, r: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Forces (N*d,), potential energy and virial at the coordinates `r`, (N*d,): every pair, all images.
-
-    force: the system. A pair is that of a particle and one image of another one or of itself, with half of phi and of
-    r . F a particle. The virial W = sum over pairs of r_ij . F_ij counts pairs only, not walls. O(N^2) time, O(N)
-    memory; the lists are not used.
-    """
-    dimension = len(force.lengths)
-    x = np.asarray(r, dtype=np.float64).reshape(-1, dimension)
-    sides = np.array(force.neighbours.sides)
-    epsilon, sigma = _parameters(force)
-    forces = np.zeros_like(x)
-    energy = 0.0
-    work = 0.0
-    # the nearest image is within half a side; further ones that may be within the cutoff, by their numbers of sides
-    shells = [int(np.ceil(force.cutoff / side - 0.5)) if side > 0 else 0 for side in sides]
-    boxes = np.array(list(product(*(range(-shell, shell + 1) for shell in shells))))
-    for i in range(len(x)):
-        nearest = x[i] - x
-        nearest -= sides * np.rint(np.divide(nearest, sides, out=np.zeros_like(nearest), where=sides > 0))
-        for box in boxes:
-            d = nearest + box * sides
-            distance = np.sqrt((d**2).sum(axis=1))
-            j = np.flatnonzero((distance < force.cutoff) & ((np.arange(len(x)) != i) | box.any()))
-            d, distance = d[j], distance[j]
-            eps = np.sqrt(epsilon[i] * epsilon[j])
-            sig = 0.5 * (sigma[i] + sigma[j])
-            phi = pair_energy(distance, eps, sig)
-            slope = pair_slope(distance, eps, sig)
-            if force.shift_energy:
-                phi -= pair_energy(force.cutoff, eps, sig)
-            if force.shift_force:
-                slope_at_cutoff = pair_slope(force.cutoff, eps, sig)
-                phi -= (distance - force.cutoff) * slope_at_cutoff
-                slope -= slope_at_cutoff
-            forces[i] -= ((slope / distance)[:, None] * d).sum(axis=0)
-            energy += 0.5 * phi.sum()
-            work -= 0.5 * (slope * distance).sum()
-    if force.walls is not None:
-        for k in np.flatnonzero(sides == 0):
-            for distance, sign in ((x[:, k], 1), (force.lengths[k] - x[:, k], -1)):
-                near = np.flatnonzero(distance < force.walls.cutoff)
-                phi = pair_energy(distance[near], force.walls.epsilon, force.walls.sigma)
-                phi -= pair_energy(force.walls.cutoff, force.walls.epsilon, force.walls.sigma)
-                forces[near, k] -= sign * pair_slope(distance[near], force.walls.epsilon, force.walls.sigma)
-                energy += phi.sum()
-    return forces.ravel(), float(energy), float(work)
-
-
-def tail_corrections(force: LennardJones) -> Tails:
-    """Energy, virial and pressure of the pairs of `force` beyond the cutoff, if they are distributed uniformly (g = 1).
-
-    U = (1/2V) sum_ij int_rc^inf phi_ij(r) S r^(d-1) dr, W = -(1/2V) sum_ij int_rc^inf r phi_ij'(r) S r^(d-1) dr, with
-    S = 4 pi in three dimensions and 2 pi in two, sums over all i and j; p = W/(d V). Allen & Tildesley (1987), 2.8.
-    Raises ValueError unless all axes are periodic and the truncation is "truncated": a shifted potential differs from
-    phi within the cutoff too.
-    """
-    if not all(force.neighbours.sides):
-        raise ValueError("tail corrections need a periodic box: they assume a uniform fluid beyond the cutoff")
-    if force.shift_energy:
-        raise ValueError("tail corrections belong to truncation 'truncated', not to a shifted potential")
-    dimension = len(force.lengths)
-    volume = float(np.prod(force.lengths))
-    epsilon, sigma = _parameters(force)
-    kinds, counts = np.unique(np.stack([epsilon, sigma]), axis=1, return_counts=True)
-    eps = np.sqrt(np.outer(kinds[0], kinds[0]))
-    s6 = (0.5 * np.add.outer(kinds[1], kinds[1])) ** 6
-    pairs = np.outer(counts, counts) / (2 * volume) * (4 * np.pi if dimension == 3 else 2 * np.pi)
-    repulsion = 4 * eps * s6**2 * force.cutoff ** (dimension - 12) / (12 - dimension)
-    attraction = 4 * eps * s6 * force.cutoff ** (dimension - 6) / (6 - dimension)
-    energy = float((pairs * (repulsion - attraction)).sum())
-    work = float((pairs * (12 * repulsion - 6 * attraction)).sum())
-    return Tails(energy, work, work / (dimension * volume))
-
-
 @compiled(cache=True)
 def _copy_parameters_to_slots(  # type: ignore[no-untyped-def]
     lists, species, species_epsilon, species_sigma, slot_size, slot_strength
@@ -411,27 +303,12 @@ def _accelerate(force: LennardJones, r: np.ndarray, v: np.ndarray) -> np.ndarray
     return a
 
 
-@register_jitable
-def _pair_sums(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
-    if not _lists_are_valid_for(force, r):
-        return np.nan, np.nan
-    return tile_energy(force)
-
-
 @implements(energy_and_virial, LennardJones)
 def _energies(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
-    energy, work = _pair_sums(force, r)
+    if not _lists_are_valid_for(force, r):
+        return np.nan, np.nan
+    energy, work = tile_energy(force)
     return energy + _wall_energy(force.walls, force.neighbours.sides, force.lengths, r), work
-
-
-@implements(potential_energy, LennardJones)
-def _potential_energy(force: LennardJones, r: np.ndarray) -> float:
-    return _pair_sums(force, r)[0] + _wall_energy(force.walls, force.neighbours.sides, force.lengths, r)
-
-
-@implements(virial, LennardJones)
-def _virial(force: LennardJones, r: np.ndarray) -> float:
-    return _pair_sums(force, r)[1]
 
 
 @register_jitable

@@ -11,9 +11,8 @@ from refimpl.compilation import implements
 from refimpl.stepping.forces.generic import (
     accelerate,
     derivatives,
+    energy_and_virial,
     kinetic_energy,
-    potential_energy,
-    virial,
 )
 from refimpl.stepping.kernels.sums import sum_in_order, sum_of_squares
 
@@ -61,14 +60,10 @@ def _accelerate(force: Spring, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     return _spring_acceleration(r, v, force.k, force.mass, force.gamma)
 
 
-@implements(potential_energy, Spring)
-def _potential_energy(force: Spring, r: np.ndarray) -> float:
-    return 0.5 * force.k * sum_of_squares(r)
-
-
-@implements(virial, Spring)
-def _virial(force: Spring, r: np.ndarray) -> float:
-    return -force.k * sum_of_squares(r)
+@implements(energy_and_virial, Spring)
+def _energy_and_virial(force: Spring, r: np.ndarray) -> tuple[float, float]:
+    squares = force.k * sum_of_squares(r)
+    return 0.5 * squares, -squares
 
 
 @implements(kinetic_energy, Spring)

@@ -1,10 +1,10 @@
 """What is written for the machine: compiled code for `refimpl.stepping.forces` only.
 
-The readable form stands beside this folder, in the module of the force; tests compare the two.
+The readable form stands beside this folder, in the module of the force, or with the tests; these compare the two.
 
 | kernel | readable form |
 |---|---|
-| `lennard_jones`, `neighbours` | `forces.lennard_jones.plain_forces`: all pairs, all images |
+| `lennard_jones`, `neighbours` | `tests/support/plain_lennard_jones.py`: all pairs, all images |
 | `gravity` | `forces.gravity.plain_acceleration` |
 | `contacts` | the equations of `forces.grains` |
 | `sums` | `np.sum`, to round-off |

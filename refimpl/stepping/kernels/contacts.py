@@ -200,7 +200,7 @@ def _find_pairs(force, r):  # type: ignore[no-untyped-def]
         # no more cells than grains along an axis: empty ones cost too
         cells[k] = max(1, int(min(number, extent / reach)))
         width[k] = extent / cells[k] if extent > 0.0 else 1.0
-    while cells[0] * cells[1] * cells[2] > 8 * number + 64:
+    while cells[0] * cells[1] * cells[2] > 8 * number:
         longest = 0
         for k in range(1, d):
             longest = k if cells[k] > cells[longest] else longest

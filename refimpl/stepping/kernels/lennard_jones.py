@@ -1,4 +1,4 @@
-"""Fast twin of `refimpl.stepping.forces.lennard_jones.plain_forces`: one neighbour against a tile of eight particles.
+"""Sums over the pairs of a Lennard-Jones fluid: one neighbour against a tile of eight particles.
 
 The particles of a tile lie in the lanes of a vector; each slot of the tile's list (`neighbours`, beside this module) is
 broadcast to all lanes, and lanes beyond the cutoff are masked. Every pair is computed from both of its sides: that

@@ -244,25 +244,30 @@ def periodic_scene(dimension: int, species: int, **lennard_jones: Any) -> Scene:
 @pytest.mark.parametrize("length_form", ["sigma", "r_m"])
 @pytest.mark.parametrize("species", [1, 2])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_tails_of_a_scene_are_those_of_the_own_engine(dimension: int, species: int, length_form: str) -> None:
-    from refimpl.stepping.forces import lennard_jones as own
-
+def test_tails_of_a_scene_are_the_integrals_beyond_the_cutoff(dimension: int, species: int, length_form: str) -> None:
+    """Over a uniform fluid: phi and r phi' of every kind of pair, by quadrature."""
     scene = periodic_scene(dimension, species, length_form=length_form)
-    lj, state = scene.lennard_jones, scene.initial_state()
-    assert lj is not None
-    force = own.lennard_jones(
-        number=7,
-        dimension=dimension,
-        lengths=(6.0, 7.0, 8.0)[:dimension],
-        periodic=[True] * dimension,
-        species=state.species,
-        epsilon=lj.epsilon,
-        sigma=lj.length,
-        length_form=length_form,
-        cutoff=2.7,
-    )
-    tails = own.tail_corrections(force)
-    assert tail_corrections(scene) == pytest.approx((tails.energy, tails.pressure), rel=1e-14)
+    volume = math.prod((6.0, 7.0, 8.0)[:dimension])
+    kinds = ((1.7, 1.2, 5), (0.9, 1.0, 2)) if species == 2 else ((1.0, 1.0, 7),)
+    energy = pressure = 0.0
+    for one_epsilon, one_length, one_count in kinds:
+        for other_epsilon, other_length, other_count in kinds:
+            epsilon, length = math.sqrt(one_epsilon * other_epsilon), (one_length + other_length) / 2
+            sigma = length / 2 ** (1 / 6) if length_form == "r_m" else length
+
+            def shell(r: float) -> float:
+                return 4 * math.pi * r**2 if dimension == 3 else 2 * math.pi * r
+
+            def phi(r: float, epsilon: float = epsilon, sigma: float = sigma) -> float:
+                return shell(r) * 4 * epsilon * ((sigma / r) ** 12 - (sigma / r) ** 6)
+
+            def work(r: float, epsilon: float = epsilon, sigma: float = sigma) -> float:
+                return shell(r) * 24 * epsilon * (2 * (sigma / r) ** 12 - (sigma / r) ** 6)
+
+            pairs = one_count * other_count / (2 * volume)
+            energy += pairs * quad(phi, 2.7, math.inf, epsabs=0, epsrel=1e-11)[0]
+            pressure += pairs * quad(work, 2.7, math.inf, epsabs=0, epsrel=1e-11)[0] / (dimension * volume)
+    assert tail_corrections(scene) == pytest.approx((energy, pressure), rel=1e-10)
 
 
 def test_tails_of_one_species_are_the_textbook_ones() -> None:

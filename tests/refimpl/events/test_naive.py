@@ -49,8 +49,8 @@ def naive_from(fast: Simulation) -> Naive:
     x = np.where(model.periodic, state.positions % lengths, state.positions)
     naive = Naive(
         model, x, state.velocities, state.angular_velocities,
-        last=-np.inf if model.contact_duration is None else fast.last_collisions() - state.time,
-        hits=0 if model.seed is None else fast.wall_hits(),
+        last=-np.inf if model.contact_duration is None else fast._particles.last - fast._now,
+        hits=0 if model.seed is None else fast._particles.hits.copy(),
     )  # fmt: skip
     if naive._bonds is not None:  # at the edge of a well, positions cannot tell
         held = fast._particles.bonds

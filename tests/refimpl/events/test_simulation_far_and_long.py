@@ -193,16 +193,9 @@ def test_draws_of_random_walls_beyond_2_to_the_31() -> None:
         fast._particles.hits[:] = start
         fast.run(until=12.0)
         naive.run(until=12.0)
-        assert fast.wall_hits().min() >= start + 2
+        assert fast._particles.hits.min() >= start + 2
         assert [sorted(who) for _, *who in fast.trace()] == [sorted(who) for _, *who in naive.trace]
         assert np.abs(fast.state().velocities - naive.state().velocities).max() < 1e-6
-
-
-def test_hits_are_counted_for_random_walls_only() -> None:
-    with pytest.raises(ValueError, match="where walls are random only"):
-        spheres(2, 0.3).wall_hits()
-    with pytest.raises(ValueError, match="with a contact duration only"):
-        spheres(2, 0.3).last_collisions()
 
 
 @pytest.mark.parametrize("kind", [Simulation, Naive])

@@ -19,13 +19,12 @@ from refimpl.stepping.forces.generic import (
     GOOD,
     NEEDS_CAPACITY,
     accelerate,
+    energy_and_virial,
     enlarge,
     kinetic_energy,
     periods,
-    potential_energy,
     renew,
     status,
-    virial,
 )
 from refimpl.stepping.forces.spring import spring
 from refimpl.stepping.integrate import acceleration, integrate
@@ -69,14 +68,10 @@ def _accelerate(force: Fussy, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     return -r if _answer(force, r) else np.full(r.size, np.nan)
 
 
-@implements(potential_energy, Fussy)
-def _potential_energy(force: Fussy, r: np.ndarray) -> float:
-    return 0.5 * np.sum(r * r) if _answer(force, r) else np.nan
-
-
-@implements(virial, Fussy)
-def _virial(force: Fussy, r: np.ndarray) -> float:
-    return -np.sum(r * r) if _answer(force, r) else np.nan
+@implements(energy_and_virial, Fussy)
+def _energy_and_virial(force: Fussy, r: np.ndarray) -> tuple[float, float]:
+    square = np.sum(r * r) if _answer(force, r) else np.nan
+    return 0.5 * square, -square
 
 
 @implements(kinetic_energy, Fussy)
@@ -133,7 +128,7 @@ def test_the_default_is_one_sample_at_the_end() -> None:
 def test_thermo_is_what_the_force_answers() -> None:
     run = integrate("velocity_verlet", FORCE, R, V, 0.1, 9, every=3, trajectory=True, thermo=True)
     expected = [
-        (kinetic_energy(FORCE, v), potential_energy(FORCE, r), virial(FORCE, r))
+        (kinetic_energy(FORCE, v), *energy_and_virial(FORCE, r))
         for r, v in zip(run.positions, run.velocities, strict=True)
     ]
     np.testing.assert_allclose(run.thermo, expected, rtol=1e-15)
@@ -315,3 +310,13 @@ def test_acceleration_enlarges_the_force() -> None:
     a, larger = acceleration(force, R, V)
     np.testing.assert_array_equal(a, -R)
     assert larger.room >= 1
+
+
+@pytest.mark.parametrize(("scheme", "evaluations"), [("euler", 0), ("velocity_verlet", 1)])
+def test_what_a_force_could_not_do_before_is_no_reason_to_enlarge_it(scheme: str, evaluations: int) -> None:
+    """A start that does not evaluate the force was repeated, and the force enlarged, without end."""
+    force = fussy(5.0)
+    force.state[STATUS] = NEEDS_CAPACITY
+    run = integrate(scheme, force, R, V, 0.1, 0)
+    assert run.force.state[SEEN] == evaluations
+    assert run.force.state[ENLARGED] == 0

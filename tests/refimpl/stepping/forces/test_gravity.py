@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from energies import potential_energy, virial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
@@ -16,9 +17,7 @@ from refimpl.stepping.forces.generic import (
     GOOD,
     accelerate,
     kinetic_energy,
-    potential_energy,
     status,
-    virial,
 )
 from refimpl.stepping.forces.gravity import CODATA_G, FEW_BODIES, gravity, plain_acceleration
 from refimpl.stepping.kernels import gravity as kernels

@@ -4,9 +4,10 @@ from math import pi
 
 import numpy as np
 import pytest
+from energies import potential_energy, virial
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad
+from plain_lennard_jones import pair_energy, pair_slope, plain_forces
 
 from refimpl.stepping.forces.generic import (
     DIVERGED,
@@ -16,9 +17,7 @@ from refimpl.stepping.forces.generic import (
     enlarge,
     kinetic_energy,
     operations,
-    potential_energy,
     status,
-    virial,
 )
 from refimpl.stepping.forces.lennard_jones import (
     FORCE_EVALUATIONS,
@@ -28,10 +27,6 @@ from refimpl.stepping.forces.lennard_jones import (
     LennardJones,
     Walls,
     lennard_jones,
-    pair_energy,
-    pair_slope,
-    plain_forces,
-    tail_corrections,
 )
 from refimpl.stepping.integrate import integrate
 
@@ -445,55 +440,6 @@ def test_kinetic_energy_counts_the_masses(mass):
     v = np.arange(6.0)
     expected = 0.5 * (np.broadcast_to(mass, 3)[:, None] * v.reshape(3, 2) ** 2).sum()
     assert kinetic_energy(force, v) == pytest.approx(expected, rel=1e-15)
-
-
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_tail_corrections_are_the_integrals_beyond_the_cutoff(dimension):
-    counts, eps, sig, cutoff, side = (30, 20), (1.0, 1.7), (1.0, 1.2), 2.7, 8.0
-    force = lennard_jones(
-        number=50,
-        dimension=dimension,
-        lengths=[side] * dimension,
-        periodic=[True] * dimension,
-        cutoff=cutoff,
-        species=np.repeat([0, 1], counts),
-        epsilon=eps,
-        sigma=sig,
-    )
-    energy = work = 0.0
-    for i in range(2):
-        for j in range(2):
-            mixed = (np.sqrt(eps[i] * eps[j]), (sig[i] + sig[j]) / 2)
-            weight = counts[i] * counts[j] / (2 * side**dimension)
-
-            def shell(r: float) -> float:
-                return 4 * pi * r * r if dimension == 3 else 2 * pi * r
-
-            energy += weight * quad(lambda r, m=mixed: shell(r) * pair_energy(r, *m), cutoff, np.inf)[0]
-            work -= weight * quad(lambda r, m=mixed: shell(r) * r * pair_slope(r, *m), cutoff, np.inf)[0]
-    tails = tail_corrections(force)
-    assert tails.energy == pytest.approx(energy, rel=1e-9)
-    assert tails.virial == pytest.approx(work, rel=1e-9)
-    assert tails.pressure == pytest.approx(work / (dimension * side**dimension), rel=1e-9)
-
-
-def test_tail_corrections_of_one_species_are_the_textbook_ones():
-    """Allen and Tildesley (1987), eqs. (2.144), (2.145), per particle."""
-    number, rho, cutoff = 500, 0.776, 3.0
-    side = (number / rho) ** (1 / 3)
-    force = lennard_jones(number=number, dimension=3, lengths=[side] * 3, periodic=[True] * 3, cutoff=cutoff)
-    tails = tail_corrections(force)
-    assert tails.energy / number == pytest.approx(8 / 9 * pi * rho * (cutoff**-9 - 3 * cutoff**-3), rel=1e-13)
-    expected = 32 / 9 * pi * rho**2 * (cutoff**-9 - 1.5 * cutoff**-3)
-    assert tails.pressure == pytest.approx(expected, rel=1e-13)
-
-
-def test_tail_corrections_refuse_what_they_do_not_describe():
-    box = {"number": 2, "dimension": 2, "lengths": [9.0, 9.0], "cutoff": 2.5}
-    with pytest.raises(ValueError, match="periodic box"):
-        tail_corrections(lennard_jones(**box, periodic=[True, False]))
-    with pytest.raises(ValueError, match="truncation 'truncated'"):
-        tail_corrections(lennard_jones(**box, periodic=[True, True], truncation="shifted"))
 
 
 def test_pair_functions():

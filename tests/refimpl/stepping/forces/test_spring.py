@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from energies import potential_energy, virial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
@@ -15,9 +16,7 @@ from refimpl.stepping.forces.generic import (
     accelerate,
     derivatives,
     kinetic_energy,
-    potential_energy,
     status,
-    virial,
 )
 from refimpl.stepping.forces.spring import Spring, spring
 

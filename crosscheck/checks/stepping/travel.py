@@ -1,0 +1,93 @@
+"""Particles that stream through a periodic box, further and further from where they started."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.stepping.audit import (
+    Expected,
+    Ledger,
+    asking,
+    audit_samples,
+    audit_steps,
+    has_recurrence,
+    run_or_refuse,
+)
+from crosscheck.engines.capabilities import Needs, words
+from crosscheck.faults import Fault
+from crosscheck.scene import Box, LennardJones, Method, Scene, explicit
+from crosscheck.verdict import Judged
+
+#: Steps of a run, from one sample to the next, and time step: long enough for an engine to bring coordinates back into
+#: the box now and then.
+STEPS, EVERY, DT = 1040, 208, 0.004
+_SIDES = (4.3, 5.1)
+#: Box sides that the particles are away at the start.
+_AWAY = 4095
+#: Schemes of the quick tier: their memory holds positions.
+_QUICK = ("verlet", "gear5")
+
+
+def _stream() -> Scene:
+    """Two particles that circle about each other, and stream through the box in a run."""
+    middle = np.array([4.2, 0.3]) + np.array([_AWAY, -_AWAY]) * _SIDES
+    x = middle + np.array([[-0.55, 0.1], [0.6, -0.12]])
+    v = np.array([[0.9, -0.3], [0.85, -0.55]])
+    return Scene(
+        name="stream",
+        dimension=2,
+        duration=STEPS * DT,
+        lennard_jones=LennardJones(cutoff=1.9, truncation="force_shifted"),
+        box=Box(lengths=_SIDES),
+        initial=explicit(x, v),
+    )
+
+
+def _judge(laboratory: Laboratory, scheme: str) -> Judged:
+    ledger = Ledger()
+    scene = asking(laboratory.engine, _stream(), EVERY * DT)
+    run = run_or_refuse(laboratory, ledger, scene, Method(scheme=scheme, dt=DT))
+    if run is not None:
+        audit_samples(ledger, scene, run, scene.name)
+        audit_steps(ledger, Expected(scene, scheme, DT, STEPS), run, STEPS, EVERY, scene.name)
+    return ledger.findings()
+
+
+CHECKS = (
+    Check(
+        name="stepping/far-from-the-origin",
+        title="Particles that stream through thousands of images of the box, against the recurrence of the scheme",
+        equation="r_n, v_n by the recurrence of each scheme; U, W by sums over all pairs and images",
+        criterion="each within bounds of rounding: of coordinates as large as the path, and of the recurrence",
+        citation="Allen & Tildesley, Computer Simulation of Liquids (1987), section 1.5.3",
+        judge=_judge,
+        variants=schemes_with(
+            lambda name, claims: has_recurrence(name), lambda name: "quick" if name in _QUICK else "full"
+        ),
+        faults=(
+            (
+                "verlet",
+                Fault(
+                    "verlet-left-behind",
+                    "stepping/schemes.py",
+                    "return (memory[0] + by,)",
+                    "return memory",
+                    "where positions are brought back into the box, those of the next step are not",
+                ),
+            ),
+            (
+                "gear5",
+                Fault(
+                    "turns-forgotten",
+                    "stepping/integrate.py",
+                    "        self.turns += turns\n",
+                    "        self.turns = turns\n",
+                    "how often a particle was brought back counts from the last time only",
+                ),
+            ),
+        ),
+        needs=Needs("lennard_jones", words=words(_stream())),
+        interpreted=True,
+    ),
+)
