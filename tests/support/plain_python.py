@@ -13,7 +13,6 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
-from numba import config
 
 #: Their classes and kernels exist twice, as all modules that import them at their top.
 _TWICE = ("refimpl", *(path.stem for path in Path(__file__).parent.glob("*.py") if path != Path(__file__)))
@@ -24,6 +23,8 @@ _plain: dict[str, ModuleType] = {}
 @contextmanager
 def _swapped() -> Iterator[None]:
     """While this lasts, imports are of the plain modules."""
+    from numba import config  # not before tests/conftest.py has said where kernels are kept
+
     compiled = {name: sys.modules.pop(name) for name in list(sys.modules) if name.partition(".")[0] in _TWICE}
     before, config.DISABLE_JIT = config.DISABLE_JIT, 1
     sys.modules.update(_plain)
