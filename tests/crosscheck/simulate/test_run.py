@@ -98,7 +98,8 @@ SCENE = Scene(
 )
 
 
-def test_a_scene_that_records_nothing_gives_its_final_state_and_a_picture(tmp_path):
+def test_a_scene_that_records_nothing_gives_its_final_state_and_a_picture(tmp_path, monkeypatch):
+    monkeypatch.delenv("NUMBA_DISABLE_JIT")  # compiled, as its user runs it
     path = tmp_path / "scene.toml"
     path.write_text(SCENE.to_toml() + '\n[method]\nscheme = "velocity_verlet"\ndt = 0.1\n')
     paths = simulate(path, ["refimpl"], tmp_path / "out").paths
