@@ -155,7 +155,7 @@ def as_plain_python(worker: Worker, directory: Path, scene: Scene, half: Scene, 
 def test_a_run_goes_on_with_the_same_bits(name: str, interpreted: Worker, tmp_path: Path) -> None:
     scene, method = SCENES[name]
     method, half = resolved(scene, method), halved(scene)
-    if name.startswith(("fluid", "disks")):
+    if name.startswith(("fluid", "disks", "soft")):
         whole, first, second = as_plain_python(interpreted, tmp_path, scene, half, method)
     else:
         whole, first, second = compiled(scene, half, method)
