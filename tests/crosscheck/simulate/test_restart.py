@@ -192,10 +192,15 @@ def test_reversals_count_from_where_the_run_goes_on() -> None:
 # -- through files ---------------------------------------------------------------------------------------------
 
 
+def without_compiling_and_drawing(patch: pytest.MonkeyPatch) -> None:
+    """Workers of `simulate` run plain Python, which is enough for short runs; pictures are no part of a restart."""
+    patch.setenv("NUMBA_DISABLE_JIT", "1")
+    patch.setattr("crosscheck.simulate.run.draw_picture", lambda *_: [])
+
+
 @pytest.fixture
 def plain(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Workers of `simulate` run plain Python: that is enough for short runs, and nothing is compiled."""
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    without_compiling_and_drawing(monkeypatch)
 
 
 def written(tmp_path: Path, name: str, scene: Scene, method: Method | None) -> Path:
@@ -248,7 +253,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     tmp_path = tmp_path_factory.mktemp("restart")
     scene = written(tmp_path, "scene", *oscillators("verlet"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NUMBA_DISABLE_JIT", "1")
+        without_compiling_and_drawing(patch)
         simulate(scene, ["refimpl"], tmp_path / "out")
     return scene, tmp_path / "out" / "restart-refimpl.npz"
 
