@@ -1,10 +1,13 @@
 """Kernels compiled by tests are kept apart for each state of the sources; hypothesis repeats its examples."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from types import ModuleType
 
+import numpy as np
 import pytest
 from hypothesis import settings
+from plain_python import plain_python
 
 from crosscheck.engines.workers.cache import kernel_cache, take_care_of_damage
 from crosscheck.engines.workers.pool import Worker
@@ -25,3 +28,10 @@ def interpreted() -> Iterator[Worker]:
     worker = Worker("refimpl", time_limit=300, interpreted=True)
     yield worker
     worker.close()
+
+
+@pytest.fixture
+def plain_module() -> Iterator[Callable[[str], ModuleType]]:
+    """Modules of `refimpl` and of tests/support whose kernels run as plain Python, in this process, by their names."""
+    with np.errstate(all="ignore"):  # as in a process that interprets all kernels
+        yield plain_python

@@ -181,10 +181,7 @@ velocities = [
 """
 
 
-def test_a_run_that_stops_is_status_1_with_its_reason(
-    crosscheck: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv("NUMBA_DISABLE_JIT")  # the event loop is compiled code
+def test_a_run_that_stops_is_status_1_with_its_reason(crosscheck: Any, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(COLLAPSE)
     done = crosscheck("simulate", tmp_path / "scene.toml", "-o", tmp_path / "out")
     assert done.status == 1

@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from numba import njit
+from numba.core.dispatcher import Dispatcher
 
 from refimpl.compilation import dispatched, implements
+from refimpl.events import prediction
 
 
 class Circle(NamedTuple):
@@ -88,3 +91,15 @@ def test_kernels_run_as_plain_python_where_numba_compiles_nothing() -> None:
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run([sys.executable, "-c", INTERPRETED], env=environment, capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("interpreted\n", "")
+
+
+def test_modules_as_plain_python_are_beside_the_compiled_ones(plain_module: Any) -> None:
+    """Of one simulation, the same bits; each has classes of its own, and imports find the compiled ones as before."""
+    plain = plain_module("refimpl.events.prediction")
+    assert plain is plain_module("refimpl.events.prediction") is not prediction
+    assert sys.modules["refimpl.events.prediction"] is prediction
+    assert isinstance(plain.falling_time, FunctionType)
+    assert isinstance(prediction.falling_time, Dispatcher)
+    assert plain_module("refimpl.compilation").INTERPRETED
+    for height, speed in ((1.0, -0.3), (0.2, 1.7)):
+        assert plain.falling_time(height, speed, -1.0) == prediction.falling_time(height, speed, -1.0)

@@ -1,4 +1,4 @@
-"""Workers that the tests of a file share."""
+"""A worker that the tests of a file share."""
 
 import sys
 from collections.abc import Iterator
@@ -6,13 +6,6 @@ from collections.abc import Iterator
 import pytest
 
 from crosscheck.engines.workers.pool import Worker
-
-
-@pytest.fixture(scope="module")
-def refimpl() -> Iterator[Worker]:
-    worker = Worker("refimpl", time_limit=300)
-    yield worker
-    worker.close()
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crosscheck.engines.protocol import Restartable
+from crosscheck.engines.protocol import Restartable, Run
 from crosscheck.engines.registry import load_class
 from crosscheck.engines.soft_spheres import resolved
+from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import UsageError
 from crosscheck.scene import (
     Box,
@@ -55,11 +56,11 @@ def fluid(**changes: Any) -> tuple[Scene, Method]:
     entries: dict[str, Any] = {
         "name": "fluid",
         "dimension": 3,
-        "duration": 1.0,
-        "lennard_jones": LennardJones(cutoff=2.5, truncation="shifted"),
-        "box": Box(lengths=(6.0,) * 3),
-        "initial": Lattice(kind="lattice", structure="fcc", number=108, temperature=1.0, seed=7),
-        "output": Output(interval=0.125, observables=(*ENERGIES, "virial"), trajectory=True, forces=True),
+        "duration": 0.5,
+        "lennard_jones": LennardJones(cutoff=1.7, truncation="shifted"),
+        "box": Box(lengths=(4.0,) * 3),
+        "initial": Lattice(kind="lattice", structure="fcc", number=32, temperature=1.0, seed=7),
+        "output": Output(interval=0.0625, observables=(*ENERGIES, "virial"), trajectory=True, forces=True),
     }
     return Scene(**(entries | changes)), Method(scheme="velocity_verlet", dt=1 / 256)
 
@@ -117,7 +118,7 @@ def gas(scheme: str, **more: Any) -> tuple[Scene, Method]:
 SCENES = {
     **{scheme: oscillators(scheme) for scheme in ("verlet", "beeman", "gear5")},
     "fluid": fluid(),
-    "fluid without a trajectory": fluid(output=Output(interval=0.125, observables=(*ENERGIES, "virial"), forces=True)),
+    "fluid without a trajectory": fluid(output=Output(interval=0.0625, observables=(*ENERGIES, "virial"), forces=True)),
     "disks": disks(),
     "disks counted": disks(duration=1e3, output=Output(collisions=(20, 40, 60, 80), observables=("kinetic_energy",))),
     "soft": soft(),
@@ -132,15 +133,32 @@ def halved(scene: Scene) -> Scene:
     return scene.changed(output=scene.output.model_copy(update={"collisions": counts[: len(counts) // 2]}))
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_a_run_goes_on_with_the_same_bits(name: str) -> None:
-    scene, method = SCENES[name]
-    method, half, engine = resolved(scene, method), halved(scene), load_class("refimpl")()
+def compiled(scene: Scene, half: Scene, method: Method) -> tuple[Run, Run, Run]:
+    """The whole run, its first half, and the second one from the state between them, in this process."""
+    engine = load_class("refimpl")()
     assert isinstance(engine, Restartable)
     whole, _ = engine.run_from(scene, method, None)
     first, state = engine.run_from(half, method, None)
     assert state is not None
     second, _ = engine.run_from(half, method, {name: values.copy() for name, values in state.items()})
+    return whole, first, second
+
+
+def as_plain_python(worker: Worker, directory: Path, scene: Scene, half: Scene, method: Method) -> tuple[Run, Run, Run]:
+    """The same in a worker, for scenes so small that compiling takes longer; the state goes through a file."""
+    middle, end = directory / "middle.npz", directory / "end.npz"
+    first = worker.run(half, method, keep=middle)
+    return worker.run(scene, method), first, worker.run(half, method, restart=middle, keep=end)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_goes_on_with_the_same_bits(name: str, interpreted: Worker, tmp_path: Path) -> None:
+    scene, method = SCENES[name]
+    method, half = resolved(scene, method), halved(scene)
+    if name.startswith(("fluid", "disks", "soft")):
+        whole, first, second = as_plain_python(interpreted, tmp_path, scene, half, method)
+    else:
+        whole, first, second = compiled(scene, half, method)
     assert not whole.stopped
     middle = len(first["time"]) - 1
     if scene.output.collisions is None:
@@ -174,6 +192,17 @@ def test_reversals_count_from_where_the_run_goes_on() -> None:
 # -- through files ---------------------------------------------------------------------------------------------
 
 
+def without_compiling_and_drawing(patch: pytest.MonkeyPatch) -> None:
+    """Workers of `simulate` run plain Python, which is enough for short runs; pictures are no part of a restart."""
+    patch.setenv("NUMBA_DISABLE_JIT", "1")
+    patch.setattr("crosscheck.simulate.run.draw_picture", lambda *_: [])
+
+
+@pytest.fixture
+def plain(monkeypatch: pytest.MonkeyPatch) -> None:
+    without_compiling_and_drawing(monkeypatch)
+
+
 def written(tmp_path: Path, name: str, scene: Scene, method: Method | None) -> Path:
     path = tmp_path / f"{name}.toml"
     path.write_text(scene.model_copy(update={"method": method}).to_toml())
@@ -192,6 +221,7 @@ def frames(path: Path) -> list[bytes]:
             ase.io.read(path, ":")]  # fmt: skip
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("engine", ["refimpl", "ase"])
 def test_from_a_restart_file_and_from_a_trajectory(tmp_path: Path, engine: str) -> None:
     entries: dict[str, Any] = {"output": Output(interval=0.0625, observables=ENERGIES, trajectory=True)}
@@ -222,7 +252,9 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """Scene file and restart file of a run of oscillators."""
     tmp_path = tmp_path_factory.mktemp("restart")
     scene = written(tmp_path, "scene", *oscillators("verlet"))
-    simulate(scene, ["refimpl"], tmp_path / "out")
+    with pytest.MonkeyPatch.context() as patch:
+        without_compiling_and_drawing(patch)
+        simulate(scene, ["refimpl"], tmp_path / "out")
     return scene, tmp_path / "out" / "restart-refimpl.npz"
 
 
@@ -238,6 +270,7 @@ def rewritten(kept: Path, path: Path, header: dict[str, Any] | None = None, **ar
     return path
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize(
     ("header", "arrays", "message"),
     [
@@ -266,6 +299,7 @@ def test_hostile_restart_files_are_one_line(
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.usefixtures("plain")
 def test_damaged_restart_files_are_one_line(tmp_path: Path, kept: tuple[Path, Path]) -> None:
     scene, restart = kept
     whole, empty = restart.read_bytes(), io.BytesIO()
@@ -283,6 +317,7 @@ def test_damaged_restart_files_are_one_line(tmp_path: Path, kept: tuple[Path, Pa
             simulate(scene, ["refimpl"], tmp_path, restart=missing)
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -301,6 +336,7 @@ def test_a_restart_file_of_another_scene_is_refused(
         simulate(written(tmp_path, "other", other, given), ["refimpl"], tmp_path, restart=kept[1])
 
 
+@pytest.mark.usefixtures("plain")
 def test_name_duration_output_and_initial_state_may_differ(tmp_path: Path, kept: tuple[Path, Path]) -> None:
     scene, method = oscillators("verlet")
     other = scene.changed(
@@ -313,6 +349,7 @@ def test_name_duration_output_and_initial_state_may_differ(tmp_path: Path, kept:
     assert len(frames(tmp_path / "out" / "trajectory-refimpl.extxyz")[0]) == 2 * 2 * 3 * 8
 
 
+@pytest.mark.usefixtures("plain")
 def test_an_engine_that_cannot_restart_says_so(tmp_path: Path, kept: tuple[Path, Path]) -> None:
     scene, restart = kept
     engine = f"{tmp_path / 'plain.py'}:Plain"

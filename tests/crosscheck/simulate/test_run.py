@@ -14,6 +14,12 @@ from crosscheck.scene import Explicit, HardSpheres, Method, Output, Scene, Sprin
 from crosscheck.simulate.run import load, shipped_scenes, simulate
 
 
+@pytest.fixture(autouse=True)
+def plain(monkeypatch):
+    """Workers run plain Python: that is enough for short runs, and nothing is compiled."""
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+
+
 def read_table(path):
     with path.open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
@@ -92,7 +98,8 @@ SCENE = Scene(
 )
 
 
-def test_a_scene_that_records_nothing_gives_its_final_state_and_a_picture(tmp_path):
+def test_a_scene_that_records_nothing_gives_its_final_state_and_a_picture(tmp_path, monkeypatch):
+    monkeypatch.delenv("NUMBA_DISABLE_JIT")  # compiled, as its user runs it
     path = tmp_path / "scene.toml"
     path.write_text(SCENE.to_toml() + '\n[method]\nscheme = "velocity_verlet"\ndt = 0.1\n')
     paths = simulate(path, ["refimpl"], tmp_path / "out").paths
@@ -171,12 +178,6 @@ def test_hard_spheres_without_method(tmp_path):
 # -- files and their directory -------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def plain(monkeypatch):
-    """Workers run plain Python: that is enough for short runs, and nothing is compiled."""
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
-
-
 def short(tmp_path, name, **changes):
     """A file with a shipped scene, changed."""
     path = tmp_path / f"{name}.toml"
@@ -204,7 +205,6 @@ class Engine(RefimplEngine):
 """
 
 
-@pytest.mark.usefixtures("plain")
 def test_heat_conduction_writes_its_temperature_profile(tmp_path):
     (tmp_path / "engine.py").write_text(SYNTHETIC)
     done = simulate("heat-conduction", [f"{tmp_path}/engine.py:Engine"], tmp_path / "out")
@@ -216,7 +216,6 @@ def test_heat_conduction_writes_its_temperature_profile(tmp_path):
     assert "temperature" in (tmp_path / "out" / "picture.svg").read_text()
 
 
-@pytest.mark.usefixtures("plain")
 def test_a_sound_wave_is_written_in_space_and_time(tmp_path):
     scene = load("sound-wave-hpp")
     gas = scene.lattice_gas.model_copy(update={"rows": 16, "columns": 64})
@@ -260,7 +259,6 @@ def engine_files(tmp_path):
     return names
 
 
-@pytest.mark.usefixtures("plain")
 def test_two_engine_files_of_one_class_name_have_files_of_their_own(tmp_path):
     output = Output(interval=0.1, observables=("kinetic_energy", "potential_energy"))
     path, out = short(tmp_path, "damped-oscillator", duration=0.2, output=output), tmp_path / "out"
@@ -278,7 +276,6 @@ def test_two_engine_files_of_one_class_name_have_files_of_their_own(tmp_path):
     assert "notes.txt" in names
 
 
-@pytest.mark.usefixtures("plain")
 def test_one_engine_in_two_spellings_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     engine_files(tmp_path)
@@ -286,7 +283,6 @@ def test_one_engine_in_two_spellings_is_refused(tmp_path, monkeypatch):
         simulate("kepler", ["A/x.py:Engine", "./B/../A/x.py:Engine"], tmp_path / "out")
 
 
-@pytest.mark.usefixtures("plain")
 def test_one_engine_that_fails_does_not_take_the_others_with_it(tmp_path):
     (tmp_path / "bad.py").write_text(SYNTHETIC.replace("run = Run(", "raise RuntimeError('no'); run = Run("))
     path = short(tmp_path, "damped-oscillator", duration=0.2)
@@ -297,7 +293,6 @@ def test_one_engine_that_fails_does_not_take_the_others_with_it(tmp_path):
     assert (tmp_path / "out" / "observables-refimpl.csv").is_file()
 
 
-@pytest.mark.usefixtures("plain")
 def test_a_picture_that_cannot_be_drawn_leaves_the_numbers(tmp_path, monkeypatch):
     def fails(*_):
         raise ValueError("a picture\nof nothing")

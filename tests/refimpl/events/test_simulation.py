@@ -13,6 +13,7 @@ import pytest
 from event_scenes import full, scatter, spheres, thermal
 from numpy.testing import assert_array_equal
 
+from refimpl.events.kernels.schedule import COUNT
 from refimpl.events.model import Face, Floats, Friction, Oscillation, RandomPhase, hard_spheres
 from refimpl.events.naive import Naive
 from refimpl.events.simulation import Scheduler, Simulation
@@ -97,6 +98,17 @@ def test_schedulers_agree_when_the_clock_is_renewed() -> None:
         assert_same(runs[0], run)
 
 
+def test_schedulers_agree_over_many_box_sides() -> None:
+    """Each disk flies over some hundred of them between collisions."""
+    rng, number, side = np.random.default_rng(1), 64, 80_000.0
+    x, v = scatter(rng, (side,) * 2, (True,) * 2, 1.0, number), thermal(rng, number, 2)
+    runs = [plain_disks(x, v, side, number, scheduler) for scheduler in SCHEDULERS]
+    for run in runs:
+        run.run(collisions=30)
+        assert run._rebases > 10
+        assert_same(runs[0], run)
+
+
 def test_schedulers_agree_when_memory_is_enlarged() -> None:
     runs = [inward(scheduler) for scheduler in SCHEDULERS]
     for run in runs:
@@ -118,6 +130,19 @@ def test_events_are_counted_once() -> None:
         run.run(collisions=3_000)
     assert_same(narrow, wide)
     assert narrow.events == wide.events
+
+
+@pytest.mark.parametrize("scheduler", SCHEDULERS)
+def test_counts_of_changes_may_wrap(scheduler: Scheduler) -> None:
+    """They are compared only, and only over short times: the same bits across 2^31, and across 2^32."""
+    plain = gas(scheduler)
+    plain.run(collisions=1000)
+    for start in (2**31 - 3, -3):
+        late = gas(scheduler)
+        late._particles.ints[:, COUNT] = start
+        late.run(collisions=1000)
+        assert late.trace() == plain.trace()
+        assert_array_equal(late.state().positions, plain.state().positions)
 
 
 # -- conservation ---------------------------------------------------------------------------------

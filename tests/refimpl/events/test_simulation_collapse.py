@@ -3,36 +3,52 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
-from refimpl.events.model import Face, Oscillation, hard_spheres
-from refimpl.events.simulation import Simulation
-
 #: Flights in a row, each shorter than a limit, that are a collapse: more than 100.
 FLIGHTS = 101
 
+Ball = Callable[[int, tuple[float, ...], Any, float], tuple[np.ndarray, str]]
 
-def flights_of_a_ball(axis: int, lengths: tuple[float, ...], floor: Face, gravity: float) -> tuple[np.ndarray, str]:
+
+@pytest.fixture
+def model(plain_module: Any) -> Any:
+    """The words of a scene. A ball hits its floor some hundred times: that is less than to compile a loop for it."""
+    return plain_module("refimpl.events.model")
+
+
+@pytest.fixture
+def flights_of_a_ball(plain_module: Any, model: Any) -> Ball:
     """Times between the hits of a ball that falls on the lower wall across `axis`, and why the run ended."""
-    faces: list[Face | None] = [None] * (2 * len(lengths))
-    faces[2 * axis] = floor
-    periodic = [k != axis for k in range(len(lengths))]
-    faces[2 * axis + 1] = Face()
-    acceleration = tuple(-gravity if k == axis else 0.0 for k in range(len(lengths)))
-    model = hard_spheres(lengths=lengths, periodic=periodic, diameters=0.1, acceleration=acceleration, faces=faces)
-    x = np.full((1, len(lengths)), 0.4)
-    x[0, axis] = 0.5
-    simulation = Simulation(model, x, np.zeros((1, len(lengths))), trace=True)
-    simulation.run(until=100.0)
-    return np.diff([time for time, *_ in simulation.trace()]), simulation.stopped
+
+    def flights(axis: int, lengths: tuple[float, ...], floor: Any, gravity: float) -> tuple[np.ndarray, str]:
+        faces: list[Any] = [None] * (2 * len(lengths))
+        faces[2 * axis] = floor
+        periodic = [k != axis for k in range(len(lengths))]
+        faces[2 * axis + 1] = model.Face()
+        scene = model.hard_spheres(
+            lengths=lengths, periodic=periodic, diameters=0.1, faces=faces,
+            acceleration=tuple(-gravity if k == axis else 0.0 for k in range(len(lengths))),
+        )  # fmt: skip
+        x = np.full((1, len(lengths)), 0.4)
+        x[0, axis] = 0.5
+        simulation = plain_module("refimpl.events.simulation").Simulation(
+            scene, x, np.zeros((1, len(lengths))), trace=True
+        )
+        simulation.run(until=100.0)
+        return np.diff([time for time, *_ in simulation.trace()]), simulation.stopped
+
+    return flights
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_a_floor_at_rest(axis: int) -> None:
+def test_a_floor_at_rest(model: Any, flights_of_a_ball: Ball, axis: int) -> None:
     """Below 2^-33 of the shorter of the times for a diameter: at the speed, and in free fall."""
-    flights, stopped = flights_of_a_ball(axis, (1.0, 1.0), Face(restitution=0.5), 2.0)
+    flights, stopped = flights_of_a_ball(axis, (1.0, 1.0), model.Face(restitution=0.5), 2.0)
     limit = 2.0**-33 * math.sqrt(0.1 / 2.0)
     assert stopped.startswith("inelastic collapse of particle 0 with a wall at t = ")
     # the start is at rest: the speed says nothing
@@ -42,10 +58,10 @@ def test_a_floor_at_rest(axis: int) -> None:
 
 
 @pytest.mark.parametrize(("axis", "lengths"), [(0, (1.0, 400.0)), (1, (400.0, 1.0)), (1, (1.0, 400.0))])
-def test_an_oscillating_floor(axis: int, lengths: tuple[float, ...]) -> None:
+def test_an_oscillating_floor(model: Any, flights_of_a_ball: Ball, axis: int, lengths: tuple[float, ...]) -> None:
     """Below 4 sqrt(s/M): s the rounding of the coordinate along the axis, M the largest relative acceleration."""
     amplitude, frequency, gravity = 0.01, 3.0, 2.0
-    floor = Face(restitution=0.3, oscillation=Oscillation(amplitude, frequency, 0.4))
+    floor = model.Face(restitution=0.3, oscillation=model.Oscillation(amplitude, frequency, 0.4))
     flights, stopped = flights_of_a_ball(axis, lengths, floor, gravity)
     steepest = gravity + amplitude * frequency**2
     limit = 4 * math.sqrt(2.0**-50 * (lengths[axis] + amplitude) / steepest)

@@ -1,4 +1,7 @@
-"""Flights over many box sides, boxes of many diameters, and counts and clocks of long runs."""
+"""Flights over many box sides, boxes of many diameters, and counts and clocks of long runs.
+
+What takes every scheduler is in test_simulation.py, whose kernels it shares.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +14,12 @@ import pytest
 from event_scenes import full, scatter, spheres, thermal
 from numpy.testing import assert_array_equal
 
-from refimpl.events.kernels.schedule import COUNT
-from refimpl.events.model import Face, Floats, Well, hard_spheres
+from refimpl.events.model import Face, Floats, hard_spheres
 from refimpl.events.naive import Naive
-from refimpl.events.simulation import Scheduler, Simulation
+from refimpl.events.simulation import Simulation
 from refimpl.events.state import two_sum
 
 EPS = 2.0**-52
-SCHEDULERS: tuple[Scheduler, ...] = ("tree", "lists", "calendar")
 #: Roundings of a coordinate of the box that a contact may be off by: the clock goes up to 16 times to cross the box
 #: before it is renewed, half a rounding of that is 8 of a coordinate, at a relative speed of up to four times the mean.
 ROUNDINGS = 64
@@ -57,18 +58,6 @@ def test_contacts_of_a_dilute_gas(density: float, collisions: int) -> None:
         gas.run(collisions=number)
         _, i, j = gas.trace()[-1]
         assert abs(gap(gas, i, j)) <= bound
-
-
-def test_schedulers_agree_over_many_box_sides() -> None:
-    runs = [dilute(1e-6, scheduler=scheduler) for scheduler in SCHEDULERS]
-    for run in runs:
-        run.run(collisions=30)
-        assert run._rebases > 10
-        assert [(time, *sorted(who)) for time, *who in run.trace()] == [
-            (time, *sorted(who)) for time, *who in runs[0].trace()
-        ]
-        assert_array_equal(run.state().positions, runs[0].state().positions)
-        assert_array_equal(run.state().velocities, runs[0].state().velocities)
 
 
 def test_naive_and_fast_agree_in_a_dilute_gas() -> None:
@@ -110,10 +99,11 @@ def test_grazing_from_a_million_diameters(kind: Any, miss: float) -> None:
     assert pair.collisions == (miss < 0)
 
 
-def test_well_of_a_pair_that_is_far_from_its_edge_beyond_rounding() -> None:
+def test_well_of_a_pair_that_is_far_from_its_edge_beyond_rounding(plain_module: Any) -> None:
     """In a box of 1e9 diameters positions are rounded by 1e-6: the bond, not the place, says who is inside."""
-    model = hard_spheres(lengths=(1e9, 1e9), periodic=(True, True), well=Well(1.0, 1.5))
-    pair = Simulation(model, [[1e8, 5e8], [1.1e8, 5e8 + 0.3]], [[0.5, 0.0], [0.0, 0.0]], trace=True)
+    model, simulation = (plain_module(f"refimpl.events.{name}") for name in ("model", "simulation"))
+    sticky = model.hard_spheres(lengths=(1e9, 1e9), periodic=(True, True), well=model.Well(1.0, 1.5))
+    pair = simulation.Simulation(sticky, [[1e8, 5e8], [1.1e8, 5e8 + 0.3]], [[0.5, 0.0], [0.0, 0.0]], trace=True)
     pair.run(until=4e7)
     # in through the edge, the core, and out
     assert [sorted(who) for _, *who in pair.trace()] == [[0, 1]] * 3
@@ -161,19 +151,6 @@ def test_two_sum_keeps_what_rounding_loses() -> None:
 # -- counts ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("scheduler", SCHEDULERS)
-def test_counts_of_changes_may_wrap(scheduler: Scheduler) -> None:
-    """They are compared only, and only over short times: the same bits across 2^31, and across 2^32."""
-    plain = spheres(2, 0.3, scheduler=scheduler)
-    plain.run(collisions=1000)
-    for start in (2**31 - 3, -3):
-        late = spheres(2, 0.3, scheduler=scheduler)
-        late._particles.ints[:, COUNT] = start
-        late.run(collisions=1000)
-        assert late.trace() == plain.trace()
-        assert_array_equal(late.state().positions, plain.state().positions)
-
-
 def test_images_beyond_2_to_the_31() -> None:
     model = full(1, lengths=(8.0, 8.0), periodic=(True, True))
     ball = started(Simulation, model, [[4.0, 4.0]], [[1.0, -1.0]])
@@ -198,13 +175,15 @@ def test_draws_of_random_walls_beyond_2_to_the_31() -> None:
         assert np.abs(fast.state().velocities - naive.state().velocities).max() < 1e-6
 
 
-@pytest.mark.parametrize("kind", [Simulation, Naive])
-def test_the_edge_of_a_well_is_not_a_collision(kind: Any) -> None:
+@pytest.mark.parametrize("kind", ["Simulation", "Naive"])
+def test_the_edge_of_a_well_is_not_a_collision(plain_module: Any, kind: str) -> None:
     """TC model: a pair falls into its well less than t_c before it meets the core, and loses energy there."""
-    model = hard_spheres(
-        lengths=(20.0, 20.0), periodic=(True, True), well=Well(1.0, 1.5), restitution=0.5, contact_duration=10.0
+    model = plain_module("refimpl.events.model")
+    sticky = model.hard_spheres(
+        lengths=(20.0, 20.0), periodic=(True, True), well=model.Well(1.0, 1.5), restitution=0.5, contact_duration=10.0
     )
-    pair = started(kind, model, [[5.0, 10.0], [9.0, 10.0]], [[1.0, 0.0], [-1.0, 0.0]])
+    start = getattr(plain_module(f"refimpl.events.{kind.lower()}"), kind)
+    pair = start(sticky, [[5.0, 10.0], [9.0, 10.0]], [[1.0, 0.0], [-1.0, 0.0]])
     pair.run(until=1.5)
     # reduced mass 1/2: the relative velocity g becomes sqrt(g^2 + 4 depth) = sqrt 8, at the core half of that
     assert pair.collisions == 1

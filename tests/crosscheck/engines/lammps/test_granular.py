@@ -103,7 +103,9 @@ def test_styles(contact: dict[str, Any], pairs: str, walls: str) -> None:
 
 
 @pytest.mark.parametrize("friction", ["history", "dashpot"])
-def test_starts_in_contact_with_each_other_and_with_a_cylinder(lammps: Worker, refimpl: Worker, friction: Any) -> None:
+def test_starts_in_contact_with_each_other_and_with_a_cylinder(
+    lammps: Worker, interpreted: Worker, friction: Any
+) -> None:
     """The same motion as in refimpl: one grain deep in the cylinder's wall, and two in each other."""
     rough = {"tangential_restitution": -1.0}
     own = {"k_n": K, "gamma_n": 20.0, "gamma_t": 10.0, "mu": 0.4, "friction": friction}
@@ -126,7 +128,7 @@ def test_starts_in_contact_with_each_other_and_with_a_cylinder(lammps: Worker, r
         output=Output(interval=0.05, observables=("kinetic_energy", "contact_time")),
     )
     how = method(1e-3, stiffness=None, **own, **({"k_t": K / 3} if friction == "history" else {}))
-    runs = [worker.run(scene, how) for worker in (refimpl, lammps)]
+    runs = [worker.run(scene, how) for worker in (interpreted, lammps)]
     for name in ("final_positions", "final_velocities", "final_angular_velocities"):
         # rounding of coordinates of 4, times omega^2 t, over 50 steps
         np.testing.assert_allclose(runs[1][name], runs[0][name], atol=50 * 1e-15 * K * 0.05)

@@ -10,7 +10,6 @@ from event_scenes import scatter, thermal
 from nearest_image import AllImages, Traced
 
 from crosscheck.engines.protocol import Run, shapes
-from crosscheck.engines.refimpl.events import run_events
 from crosscheck.references.event_audit import audit, reconstructed, with_trace
 from crosscheck.scene import Box, Cylinder, HardSpheres, Method, Output, Scene, explicit
 
@@ -119,7 +118,8 @@ def test_a_trace_has_as_many_rows_as_the_run_decides():
     assert "event_angular_velocities" not in found
 
 
-def drum_until_collapse():
+@pytest.fixture(scope="module")
+def drum_until_collapse(interpreted):
     """One disk in a cylinder that takes half its normal velocity: it comes to slide along the wall in a finite time."""
     scene = Scene(
         name="drum",
@@ -130,11 +130,11 @@ def drum_until_collapse():
         initial=explicit(np.array([[2.6, 2.0]]), np.array([[0.3, 1.0]])),
         output=Output(observables=("collisions", "wall_collisions"), interval=1.0, trace=True),
     )
-    return scene, run_events(scene, "tree")
+    return scene, interpreted.run(scene, Method(scheme="event_driven"))
 
 
-def test_a_run_that_collapsed_is_audited_up_to_its_end():
-    scene, run = drum_until_collapse()
+def test_a_run_that_collapsed_is_audited_up_to_its_end(drum_until_collapse):
+    scene, run = drum_until_collapse
     assert "collapse of particle 0 with a wall" in run.stopped
     found = audit(scene, run, collapsed=True)
     assert found.good, found.where
@@ -142,7 +142,7 @@ def test_a_run_that_collapsed_is_audited_up_to_its_end():
     assert not audit(scene, run).good  # after it the disk goes through the wall
 
 
-def test_a_collapse_that_is_none_is_found():
-    scene, run = drum_until_collapse()
+def test_a_collapse_that_is_none_is_found(drum_until_collapse):
+    scene, run = drum_until_collapse
     early = {key: value[:5] if key.startswith("event_") else value for key, value in run.items()}
     assert audit(scene, Run(early), collapsed=True).shares["end of the run"] > 1
