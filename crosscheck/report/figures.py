@@ -378,7 +378,9 @@ def _plot(axes: Axes, panel: Panel, numbers: dict[str, int], markers: dict[str, 
         colour = PALETTE[number % len(PALETTE)][0]
         cycle = number // len(PALETTE)
         gid = f"k{number}-e{list(markers).index(curve.engine)}"
-        inside = [_inside(axes, x, y, curve.bins) for x, y in curve.points]
+        (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+        # a bar that ends below the axis, as an empty one on a log scale does, is drawn where it is
+        inside = [left <= x <= right and y <= top and (curve.bins or bottom <= y) for x, y in curve.points]
         x = [x if good else math.nan for (x, _), good in zip(curve.points, inside, strict=True)]
         y = [y if good else math.nan for (_, y), good in zip(curve.points, inside, strict=True)]
         many = len(x) > _MARKED
@@ -414,12 +416,6 @@ def _plot(axes: Axes, panel: Panel, numbers: dict[str, int], markers: dict[str, 
             )  # fmt: skip
             failed += len(edge)
     return failed
-
-
-def _inside(axes: Axes, x: float, y: float, bar: bool) -> bool:
-    """Whether a point is drawn where it is; a bar that ends below the axis, as an empty one on a log scale, is."""
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    return left <= x <= right and (y <= top if bar else bottom <= y <= top)
 
 
 def _edge(axes: Axes, x: float, y: float) -> tuple[float, float]:
