@@ -39,6 +39,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,7 +47,7 @@ from numpy.typing import NDArray
 
 from crosscheck.references import EPSILON
 from crosscheck.references.soft_impact import damping, stiffness
-from crosscheck.scene import Contact, Friction, Scene
+from crosscheck.scene import Contact, Friction, Scene, State
 
 Floats = NDArray[np.float64]
 
@@ -55,6 +56,12 @@ _SLIGHT = 1e-10
 #: Roundings of a sum of a few terms, in units of `EPSILON` times the largest term: of the coordinates in a distance, of
 #: the sum of the forces on a grain, of a step.
 _ROUNDINGS = 16.0
+
+
+@lru_cache(maxsize=1)
+def _start(scene: Scene, contact: Contact) -> State:
+    """The initial state, to be read only: each law of contact asks for its masses."""
+    return scene.initial_state(contact)
 
 
 class Law(NamedTuple):
@@ -86,7 +93,7 @@ def turned_first(scene: Scene, contact: Contact) -> bool:
     are unlike, or the law is "hertz"; of coefficients of one's own, for moduli, and "hertz" with a tangential dashpot.
     """
     if contact.gamma_n is None:
-        return contact.law == "hertz" or len(set(scene.initial_state(contact).masses.tolist())) > 1
+        return contact.law == "hertz" or len(set(_start(scene, contact).masses.tolist())) > 1
     return contact.E is not None or (contact.law == "hertz" and contact.friction == "dashpot")
 
 
@@ -97,7 +104,7 @@ def law_of(scene: Scene, contact: Contact, restitution: float, friction: Frictio
     friction: of these contacts; None: smooth.
     """
     assert scene.hard_spheres is not None
-    mass, q = float(scene.initial_state(contact).masses.min()) / 2, inertia_ratio(scene)
+    mass, q = float(_start(scene, contact).masses.min()) / 2, inertia_ratio(scene)
     moduli = contact.E is not None and contact.nu is not None
     if contact.E is not None and contact.nu is not None:
         e_star = contact.E / (2 * (1 - contact.nu**2))
@@ -167,7 +174,7 @@ class Contacts:
     def __post_init__(self) -> None:
         scene, contact = self.scene, self.contact
         assert scene.hard_spheres is not None
-        state = scene.initial_state(contact)
+        state = _start(scene, contact)
         assert state.diameters is not None
         number, q = scene.number, inertia_ratio(scene)
         self._radii, self._masses = state.diameters / 2, state.masses
@@ -177,7 +184,8 @@ class Contacts:
         self._field = np.zeros(3)
         self._field[: scene.dimension] = 0.0 if scene.acceleration is None else scene.acceleration
         lengths = np.zeros(scene.dimension) if state.lengths is None else state.lengths
-        self._walls = []
+        self._walls: list[_Wall] = []
+        self._wall_normals: list[Floats] = []
         for face, wall in enumerate(scene.faces):
             if wall is None:
                 continue
@@ -186,6 +194,7 @@ class Contacts:
             place = 0.0 if sign > 0 else float(lengths[axis])
             law = law_of(scene, contact, wall.restitution, wall.friction)
             self._walls.append(_Wall(face, axis, sign, place, law, motion))
+            self._wall_normals.append(np.tile(sign * np.eye(3)[axis], (number, 1)))
         laws = [law_of(scene, contact, scene.hard_spheres.restitution, scene.hard_spheres.friction)]
         laws += [wall.law for wall in self._walls]
         cylinder = None if scene.box is None else scene.box.cylinder
@@ -263,14 +272,14 @@ class Contacts:
         far = np.sqrt((apart**2).sum(axis=1))
         overlaps = [self._r_i[: far.size] + self._r_j[: far.size] - far]
         normals, speeds = [apart / far[:, None]], [v[self._i] - v[self._j]]
-        for wall in self._walls:
+        for wall, wall_normals in zip(self._walls, self._wall_normals, strict=True):
             amplitude, frequency, phase = wall.motion
             angle = frequency * time + phase
             place = wall.place + wall.sign * amplitude * math.cos(angle)
             surface = np.zeros(3)
             surface[wall.axis] = -wall.sign * amplitude * frequency * math.sin(angle)
             overlaps.append(self._radii - wall.sign * (r[:, wall.axis] - place))
-            normals.append(np.tile(wall.sign * np.eye(3)[wall.axis], (len(r), 1)))
+            normals.append(wall_normals)
             speeds.append(v - surface)
         if self._cylinder is not None:
             outwards, far, turning = self._about_axis(r)
@@ -475,7 +484,7 @@ def audit(scene: Scene, contact: Contact, dt: float, run: Mapping[str, Floats]) 
     velocity; a stretch adds up that of all steps before. ValueError if the run does not hold every step.
     """
     contacts, found = Contacts(scene, contact), _Largest()
-    state = scene.initial_state(contact)
+    state = _start(scene, contact)
     r, v = _padded(run["positions"]), _padded(run["velocities"])
     w = _spins(run, "angular_velocities", r.shape)
     steps = len(r) - 1

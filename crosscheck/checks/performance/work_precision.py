@@ -28,7 +28,7 @@ from crosscheck.verdict import Judged, order, round_off, worst
 from refimpl.stepping.schemes import SCHEMES
 
 #: Times that every run is repeated, unless it takes longer than `LONG` CPU seconds; the median counts.
-REPEATS, LONG = 3, 0.2
+REPEATS, LONG = 3, 0.05
 
 #: Left to the full tier: two schemes show the families, and the audits of `stepping` judge the steps of all.
 FULL = (
