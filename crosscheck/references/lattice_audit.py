@@ -21,7 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from crosscheck.references.lattice_models import mean_collision, states, transitions
 from crosscheck.scene.parts import Obstacle
@@ -60,6 +59,8 @@ class Lattice:
     """
 
     def __init__(self, model: str, rows: int, columns: int) -> None:
+        from scipy.spatial import cKDTree
+
         height, shift = (1.0, 0.0) if model == "hpp" else (math.sqrt(3) / 2, 0.5)
         row = np.arange(rows)[:, None]
         x, y = np.broadcast_arrays(np.arange(columns) + shift * (row % 2), height * row)
