@@ -39,7 +39,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,7 +46,7 @@ from numpy.typing import NDArray
 
 from crosscheck.references import EPSILON
 from crosscheck.references.soft_impact import damping, stiffness
-from crosscheck.scene import Contact, Friction, Scene, State
+from crosscheck.scene import Contact, Friction, Scene
 
 Floats = NDArray[np.float64]
 
@@ -56,12 +55,6 @@ _SLIGHT = 1e-10
 #: Roundings of a sum of a few terms, in units of `EPSILON` times the largest term: of the coordinates in a distance, of
 #: the sum of the forces on a grain, of a step.
 _ROUNDINGS = 16.0
-
-
-@lru_cache(maxsize=1)
-def _start(scene: Scene, contact: Contact) -> State:
-    """The initial state, to be read only: each law of contact asks for its masses."""
-    return scene.initial_state(contact)
 
 
 class Law(NamedTuple):
@@ -93,7 +86,7 @@ def turned_first(scene: Scene, contact: Contact) -> bool:
     are unlike, or the law is "hertz"; of coefficients of one's own, for moduli, and "hertz" with a tangential dashpot.
     """
     if contact.gamma_n is None:
-        return contact.law == "hertz" or len(set(_start(scene, contact).masses.tolist())) > 1
+        return contact.law == "hertz" or len(set(scene.initial_state(contact).masses.tolist())) > 1
     return contact.E is not None or (contact.law == "hertz" and contact.friction == "dashpot")
 
 
@@ -104,7 +97,7 @@ def law_of(scene: Scene, contact: Contact, restitution: float, friction: Frictio
     friction: of these contacts; None: smooth.
     """
     assert scene.hard_spheres is not None
-    mass, q = float(_start(scene, contact).masses.min()) / 2, inertia_ratio(scene)
+    mass, q = float(scene.initial_state(contact).masses.min()) / 2, inertia_ratio(scene)
     moduli = contact.E is not None and contact.nu is not None
     if contact.E is not None and contact.nu is not None:
         e_star = contact.E / (2 * (1 - contact.nu**2))
@@ -174,7 +167,7 @@ class Contacts:
     def __post_init__(self) -> None:
         scene, contact = self.scene, self.contact
         assert scene.hard_spheres is not None
-        state = _start(scene, contact)
+        state = scene.initial_state(contact)
         assert state.diameters is not None
         number, q = scene.number, inertia_ratio(scene)
         self._radii, self._masses = state.diameters / 2, state.masses
@@ -484,7 +477,7 @@ def audit(scene: Scene, contact: Contact, dt: float, run: Mapping[str, Floats]) 
     velocity; a stretch adds up that of all steps before. ValueError if the run does not hold every step.
     """
     contacts, found = Contacts(scene, contact), _Largest()
-    state = _start(scene, contact)
+    state = scene.initial_state(contact)
     r, v = _padded(run["positions"]), _padded(run["velocities"])
     w = _spins(run, "angular_velocities", r.shape)
     steps = len(r) - 1
