@@ -63,3 +63,19 @@ def as_known(laboratory: Laboratory, cost: Cost, known: Mapping[str, float], of:
         )
         for name, expected in known.items()
     ]
+
+
+#: Evaluations at the start and in a step, of schemes of `refimpl` that do not have one each.
+_EVALUATIONS = {
+    "euler": (0, 1),
+    "modified_euler": (0, 1),
+    "symplectic_euler": (0, 1),
+    "euler_pc": (0, 2),
+    "beeman": (2, 1),
+    "beeman_pc": (2, 1),
+}
+
+
+def evaluations_of(scheme: str) -> tuple[int, int]:
+    """Evaluations of the force at the start, and in each step, of a scheme of `refimpl`; scheme: its name."""
+    return _EVALUATIONS.get(scheme, (1, 1))

@@ -12,7 +12,7 @@ import resource
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
@@ -84,7 +84,7 @@ class Cost:
 
     def add(self, other: Cost) -> None:
         """Adds the cost of another run; of the peak memory, the larger; what the other has not counted adds nothing."""
-        for entry, value in asdict(other).items():
+        for entry, value in vars(other).items():
             before = getattr(self, entry)
             if entry == "peak_bytes":
                 setattr(self, entry, max(before, value))
@@ -93,7 +93,7 @@ class Cost:
 
     def known(self) -> dict[str, float]:
         """The entries that were counted, by name."""
-        return {entry: value for entry, value in asdict(self).items() if value is not None}
+        return {entry: value for entry, value in vars(self).items() if value is not None}
 
 
 class Run(dict[str, Floats]):

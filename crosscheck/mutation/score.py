@@ -8,8 +8,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from scipy.stats import binomtest
-
 from crosscheck.mutation.draw import Mutant
 from crosscheck.mutation.equivalents import Equivalent
 from crosscheck.mutation.trial import Outcome
@@ -35,6 +33,8 @@ class Count:
     @property
     def interval(self) -> tuple[float, float]:
         """Of the share, by Clopper and Pearson, Biometrika 26, 404 (1934), at the level `CONFIDENCE`."""
+        from scipy.stats import binomtest
+
         number = self.caught + self.survived
         if not number:
             return 0.0, 1.0

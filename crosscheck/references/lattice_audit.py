@@ -21,7 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from crosscheck.references.lattice_models import mean_collision, states, transitions
 from crosscheck.scene.parts import Obstacle
@@ -60,6 +59,8 @@ class Lattice:
     """
 
     def __init__(self, model: str, rows: int, columns: int) -> None:
+        from scipy.spatial import cKDTree
+
         height, shift = (1.0, 0.0) if model == "hpp" else (math.sqrt(3) / 2, 0.5)
         row = np.arange(rows)[:, None]
         x, y = np.broadcast_arrays(np.arange(columns) + shift * (row % 2), height * row)
@@ -97,19 +98,23 @@ class Lattice:
         """
         found = np.full((self.rows, self.columns), "", dtype="<U12")
         for obstacle in obstacles:
-            for row in range(self.rows):
-                for column in range(self.columns):
-                    if self._covers(obstacle, column, row):
-                        found[row, column] = obstacle.rule
+            found[self._covered(obstacle)] = obstacle.rule
         return found
 
-    def _covers(self, obstacle: Obstacle, column: int, row: int) -> bool:
+    def _covered(self, obstacle: Obstacle) -> NDArray[np.bool_]:
+        """The sites of an obstacle, (rows, columns)."""
         if obstacle.centre is not None and obstacle.radius is not None:
-            return math.dist(self.places[row, column], obstacle.centre) <= obstacle.radius
+            distances = [math.dist(place, obstacle.centre) for place in self.places.reshape(-1, 2).tolist()]
+            return np.reshape(distances, (self.rows, self.columns)) <= obstacle.radius
+        row, column = np.ogrid[: self.rows, : self.columns]
+        covered = np.zeros((self.rows, self.columns), dtype=bool)
         if obstacle.sites is not None:
-            return (column, row) in obstacle.sites
-        ends = ((obstacle.columns, column), (obstacle.rows, row))
-        return all(stretch is None or stretch[0] <= place <= stretch[1] for stretch, place in ends)
+            for x, y in obstacle.sites:
+                covered |= (column == x) & (row == y)
+            return covered
+        for stretch, place in ((obstacle.columns, column), (obstacle.rows, row)):
+            covered |= False if stretch is None else (place < stretch[0]) | (place > stretch[1])
+        return ~covered
 
 
 # -- what a site may become ------------------------------------------------------------------------------

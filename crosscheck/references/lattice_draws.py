@@ -15,11 +15,11 @@ Assoc. 62, 626 (1967) (the largest of many).
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
 
 from crosscheck.references.lattice_audit import Motion
 
@@ -54,6 +54,8 @@ def frequencies(counts: Floats, probabilities: Floats) -> Frequencies:
     counts: (states, states), how often s became t. probabilities: M_st, the same shape; counts where it is 0 are not
     looked at. ValueError if no state was seen often enough.
     """
+    from scipy.special import chdtrc
+
     squares, freedoms, seen = [], [], []
     for s in range(len(counts)):
         possible = probabilities[s] > 0
@@ -65,10 +67,10 @@ def frequencies(counts: Floats, probabilities: Floats) -> Frequencies:
             seen.append(s)
     if not seen:
         raise ValueError("no state has two outcomes and was seen often enough")
-    each = [float(chi2.sf(square, freedom)) for square, freedom in zip(squares, freedoms, strict=True)]
+    each = [float(chdtrc(freedom, square)) for square, freedom in zip(squares, freedoms, strict=True)]
     worst = int(np.argmin(each))
     return Frequencies(
-        as_normal(float(chi2.sf(sum(squares), sum(freedoms)))),
+        as_normal(float(chdtrc(sum(freedoms), sum(squares)))),
         as_normal(each[worst], len(each)),
         int(counts[seen].sum()),
         seen[worst],
@@ -95,8 +97,10 @@ def as_normal(probability: float, number: int = 1) -> float:
 
     probability: the least of so many independent ones, each uniform between 0 and 1 where chance alone is at work.
     """
+    from scipy.special import ndtri
+
     any_less = -np.expm1(number * np.log1p(-probability)) if probability < 1 else 1.0
-    return float(norm.isf(max(any_less / 2, _LEAST_PROBABILITY)))
+    return -float(ndtri(max(any_less / 2, _LEAST_PROBABILITY)))
 
 
 class Serial(NamedTuple):
@@ -127,7 +131,7 @@ def serial(one: Motion, probabilities: Floats, other: Motion | None = None) -> S
         found = largest_correlation(*(part for gas in gases for part in gas))
         best = found if best is None or found.largest > best.largest else best
     assert best is not None
-    return best._replace(largest=as_normal(float(2 * norm.sf(best.largest)), 2), distances=2 * best.distances)
+    return best._replace(largest=as_normal(math.erfc(best.largest / math.sqrt(2)), 2), distances=2 * best.distances)
 
 
 def largest_correlation(
@@ -156,7 +160,7 @@ def largest_correlation(
         raise ValueError("too few pairs of random outcomes")
     found = np.where(enough, sums / np.sqrt(np.maximum(pairs, 1)), 0.0)
     step, row, column = (int(k) for k in np.unravel_index(np.abs(found).argmax(), shape))
-    largest = as_normal(float(2 * norm.sf(abs(found[step, row, column]))), number)
+    largest = as_normal(math.erfc(abs(found[step, row, column]) / math.sqrt(2)), number)
     return Serial(largest, (step if step < steps else step - 2 * steps, row, column), number)
 
 

@@ -14,6 +14,7 @@ sums.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -46,6 +47,12 @@ class _Pairs(NamedTuple):
     size: Floats
 
 
+@lru_cache(maxsize=1)
+def _start(scene: Scene) -> State:
+    """The initial state, to be read only: the forces of one scene are asked for many times."""
+    return scene.initial_state()
+
+
 def smooth(scene: Scene, positions: Floats, *, extended: bool = True, uncertainty: float = 0.0) -> Smooth:
     """The forces on the particles of `scene` at other positions than those of its start.
 
@@ -53,7 +60,7 @@ def smooth(scene: Scene, positions: Floats, *, extended: bool = True, uncertaint
     double: what another code of this precision would find. uncertainty: of the positions of Lennard-Jones particles
     (length), which then counts in the bounds. See the module for derivation and literature.
     """
-    state = scene.initial_state()
+    state = _start(scene)
     x = np.asarray(positions, dtype=np.longdouble if extended else np.float64)
     if scene.spring is not None:
         return _spring(scene.spring.k, x)
@@ -81,7 +88,7 @@ def accelerations(scene: Scene, positions: Floats, velocities: Floats, *, extend
     scene, positions, extended: as for `smooth`. velocities: (N, d), length/time. Newton's second law; bodies without
     mass fall as any other would in their place.
     """
-    masses = scene.initial_state().masses
+    masses = _start(scene).masses
     if scene.gravity is not None:
         x = np.asarray(positions, dtype=np.longdouble if extended else np.float64)
         return _attracted(scene, x, np.broadcast_to(masses, (masses.size, masses.size))).forces

@@ -177,7 +177,8 @@ class Contacts:
         self._field = np.zeros(3)
         self._field[: scene.dimension] = 0.0 if scene.acceleration is None else scene.acceleration
         lengths = np.zeros(scene.dimension) if state.lengths is None else state.lengths
-        self._walls = []
+        self._walls: list[_Wall] = []
+        self._wall_normals: list[Floats] = []
         for face, wall in enumerate(scene.faces):
             if wall is None:
                 continue
@@ -186,6 +187,7 @@ class Contacts:
             place = 0.0 if sign > 0 else float(lengths[axis])
             law = law_of(scene, contact, wall.restitution, wall.friction)
             self._walls.append(_Wall(face, axis, sign, place, law, motion))
+            self._wall_normals.append(np.tile(sign * np.eye(3)[axis], (number, 1)))
         laws = [law_of(scene, contact, scene.hard_spheres.restitution, scene.hard_spheres.friction)]
         laws += [wall.law for wall in self._walls]
         cylinder = None if scene.box is None else scene.box.cylinder
@@ -263,14 +265,14 @@ class Contacts:
         far = np.sqrt((apart**2).sum(axis=1))
         overlaps = [self._r_i[: far.size] + self._r_j[: far.size] - far]
         normals, speeds = [apart / far[:, None]], [v[self._i] - v[self._j]]
-        for wall in self._walls:
+        for wall, wall_normals in zip(self._walls, self._wall_normals, strict=True):
             amplitude, frequency, phase = wall.motion
             angle = frequency * time + phase
             place = wall.place + wall.sign * amplitude * math.cos(angle)
             surface = np.zeros(3)
             surface[wall.axis] = -wall.sign * amplitude * frequency * math.sin(angle)
             overlaps.append(self._radii - wall.sign * (r[:, wall.axis] - place))
-            normals.append(np.tile(wall.sign * np.eye(3)[wall.axis], (len(r), 1)))
+            normals.append(wall_normals)
             speeds.append(v - surface)
         if self._cylinder is not None:
             outwards, far, turning = self._about_axis(r)

@@ -1,4 +1,8 @@
-"""Search for overlapping hard particles in k-d trees, one for each class of sizes, in a time of about order N."""
+"""Search for overlapping hard particles in k-d trees, one for each class of sizes, in a time of about order N.
+
+Of a few particles all pairs are looked at, which is faster; and workers whose scenes are small need not import scipy,
+which takes as long as the rest of their start.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 Floats = NDArray[Any]
 
+#: Up to this many particles, all pairs are looked at.
+ALL_PAIRS = 200
 #: About this many particles are searched first, before all of them.
 _FEW = 1000
 
@@ -61,6 +66,8 @@ def find_overlap(
     overlap. The period of an axis must exceed two contact distances.
     """
     inside = wrapped(positions, periods)
+    if len(positions) <= ALL_PAIRS:
+        return _among_all_pairs(inside, diameters, fixed, periods, rounding, soft)
     classes = _classes(inside, diameters, fixed, periods)
     for one, other in combinations_with_replacement(classes, 2):
         if (one.fixed and other.fixed) or one.largest + other.largest == 0:
@@ -75,7 +82,28 @@ def find_overlap(
     return None
 
 
+def _among_all_pairs(
+    positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats, rounding: float, soft: bool
+) -> Overlap | None:
+    """The pair that overlaps most, see `find_overlap`; positions are wrapped."""
+    i, j = np.triu_indices(len(positions), 1)
+    matter = ~(fixed[i] & fixed[j]) & (diameters[i] + diameters[j] > 0)
+    i, j = i[matter], j[matter]
+    apart = positions[i] - positions[j]
+    wraps = periods > 0
+    apart[:, wraps] -= np.round(apart[:, wraps] / periods[wraps]) * periods[wraps]
+    distances = np.sqrt(np.einsum("ij,ij->i", apart, apart))
+    gaps = distances - _least_distance(diameters[i], diameters[j], soft)
+    if gaps.size == 0 or gaps.min() >= -rounding:
+        return None
+    worst = int(gaps.argmin())
+    first, second = int(i[worst]), int(j[worst])
+    return Overlap(first, second, float(distances[worst]), 0.5 * float(diameters[first] + diameters[second]))
+
+
 def _classes(positions: Floats, diameters: Floats, fixed: NDArray[np.bool_], periods: Floats) -> list[_Class]:
+    from scipy.spatial import cKDTree
+
     # sizes in a class are similar, so particles that do not overlap have few neighbours within the largest contact
     # distance, and the search is cheap
     octaves = np.where(diameters > 0, np.frexp(diameters)[1], np.iinfo(np.int32).min)

@@ -56,13 +56,16 @@ class Part(BaseModel):
 
     @model_validator(mode="after")
     def _in_range(self) -> Self:
-        for name in type(self).model_fields:
-            value = getattr(self, name)
-            rows = value if isinstance(value, tuple) else (value,)
-            numbers = chain.from_iterable(rows) if rows and isinstance(rows[0], tuple) else iter(rows)
-            first = next(numbers, None)
-            # the entries of a list are all of one type
-            largest = max(abs(first), max(map(abs, numbers), default=0.0)) if isinstance(first, float) else 0.0
+        for name, value in self.__dict__.items():
+            if isinstance(value, float):
+                largest = abs(value)
+            elif isinstance(value, tuple) and value:
+                numbers = chain.from_iterable(value) if isinstance(value[0], tuple) else iter(value)
+                first = next(numbers, None)
+                # the entries of a list are all of one type
+                largest = max(abs(first), max(map(abs, numbers), default=0.0)) if isinstance(first, float) else 0.0
+            else:
+                continue
             if largest > LARGEST:
                 raise ValueError(f"{name}: {largest:g} is out of range: the largest number is {LARGEST:g} here")
         return self

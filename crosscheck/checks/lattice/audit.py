@@ -12,7 +12,6 @@ from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import halfnorm
 
 from crosscheck.checks.base import Check, FeatureRows, Laboratory, Variant
 from crosscheck.checks.lattice.gases import FHP, LATTICE, gas_scene
@@ -324,6 +323,8 @@ def _errors(found: list[tuple[Row, _Found]]) -> Iterable[Judgement]:
 
 
 def _chances(found: list[tuple[Row, _Found]]) -> Iterable[Judgement]:
+    from scipy.stats import halfnorm
+
     for quantity in (PUSHES, COINS, FILLED):
         there = [one.chances[quantity] for _, one in found if quantity in one.chances]
         total, variance = (sum(values) for values in zip(*there, strict=True)) if there else (0.0, 0.0)

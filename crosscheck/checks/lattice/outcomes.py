@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.stats import halfnorm
 
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.lattice.gases import FHP, LATTICE, filled, gas_scene
@@ -132,6 +131,8 @@ def _of_collisions_with_force(found: Recorded) -> Iterable[Judgement]:
 
 
 def _frequencies(label: str, motion: Motion, probabilities: Floats) -> Iterable[Judgement]:
+    from scipy.stats import halfnorm
+
     found = frequencies(_counts(motion, len(probabilities)), probabilities)
     why = f"chi^2 of {found.draws} outcomes, as the normal variable of the same probability"
     yield by_chance(f"{label}, all states", found.total, halfnorm, why)
@@ -139,6 +140,8 @@ def _frequencies(label: str, motion: Motion, probabilities: Floats) -> Iterable[
 
 
 def _of(label: str, one: Motion, other: Motion, probabilities: Floats) -> Iterable[Judgement]:
+    from scipy.stats import halfnorm
+
     yield from _frequencies(label, one, probabilities)
     for name, compared in (("of one run", None), ("of two seeds", other)):
         found = serial(one, probabilities, compared)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -73,9 +74,15 @@ def recorded(laboratory: Laboratory, scene: Scene, method: Method) -> Recorded:
         raise Unsupported(f"{laboratory.engine}, {method.scheme}: {refusal(declared, seen('populations'), method)}")
     asked = seen(*able)
     run = laboratory.run(asked, method)
-    lattice = Lattice(gas.model, gas.rows, gas.columns)
+    lattice = _lattice(gas.model, gas.rows, gas.columns)
     trajectory = run["populations"].transpose(0, 2, 1, 3)
     return Recorded(asked, method, run, lattice, lattice.walls(gas.obstacles), trajectory)
+
+
+@lru_cache(maxsize=4)
+def _lattice(model: str, rows: int, columns: int) -> Lattice:
+    """The auditor's lattice, which is the same for many runs of a check."""
+    return Lattice(model, rows, columns)
 
 
 def lattice_methods(engine: str) -> list[Method]:

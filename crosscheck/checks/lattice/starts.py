@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from scipy.stats import chi2, halfnorm
 
 from crosscheck.checks.base import Check, Laboratory, full, quick
 from crosscheck.checks.lattice.gases import FHP, LATTICE, gas_scene
@@ -117,6 +116,8 @@ def _of_means(name: str, found: Recorded, initial: Occupations) -> list[Judgemen
 def _of_particles(name: str, found: Recorded, initial: Occupations) -> list[Judgement]:
     """Numbers in strips along rows, along columns, and where the density lies between two values; and any order."""
     fluid, n = found.walls == "", found.trajectory[0]
+    from scipy.stats import chi2, halfnorm
+
     asked = fields(found.lattice, initial)
     f = fermi_dirac(found.lattice.model, asked.density, asked.velocity)
     least, groupings = (
@@ -156,6 +157,8 @@ def _of_particles(name: str, found: Recorded, initial: Occupations) -> list[Judg
 
 def _of_cells(laboratory: Laboratory, model: str, method: Method) -> Iterable[Judgement]:
     """Fixed numbers in cells, at random places."""
+    from scipy.stats import chi2
+
     initial = Occupations(kind="occupations", seed=laboratory.seed("cells"), density=0.4, cells=CELL, waves=WAVES[:2])
     scene = gas_scene("cells", model, ROWS, COLUMNS, 0, initial, Output(), obstacles=WALLS)
     try:

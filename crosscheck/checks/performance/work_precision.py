@@ -12,6 +12,7 @@ from functools import cache, partial
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, Tier, schemes_with
+from crosscheck.checks.operations import evaluations_of
 from crosscheck.checks.stepping import orbits
 from crosscheck.checks.stepping.fluids import OPEN
 from crosscheck.checks.stepping.orbits import SAMPLED_ORBIT, SIGMAS, WHY_BIASED
@@ -25,10 +26,9 @@ from crosscheck.references import lennard_jones, oscillator
 from crosscheck.scene import Box, Explicit, Floats, Lattice, LennardJones, Method, Output, Scene, Spring, explicit
 from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off, worst
-from refimpl.stepping.schemes import SCHEMES
 
 #: Times that every run is repeated, unless it takes longer than `LONG` CPU seconds; the median counts.
-REPEATS, LONG = 3, 0.2
+REPEATS, LONG = 3, 0.05
 
 #: Left to the full tier: two schemes show the families, and the audits of `stepping` judge the steps of all.
 FULL = (
@@ -225,21 +225,14 @@ PROBLEMS = (
 # -- the judge ---------------------------------------------------------------------------------------------------------
 
 
-#: Evaluations of the force (at the start, in a step), by (engine, scheme), of the engines that count them.
-EVALUATIONS = {
-    **{("refimpl", name): (one.start_evaluations, one.evaluations) for name, one in SCHEMES.items()},
-    ("lammps", "velocity_verlet"): (1, 1),
-}
-
-
 def expected_evaluations(engine: str, scheme: str, steps: int) -> int | None:
     """Evaluations of the force by this scheme of this engine, in `steps` steps and at the start; None if not known.
 
-    engine, scheme: names, as in `EVALUATIONS`.
+    engine, scheme: names.
     """
-    if (engine, scheme) not in EVALUATIONS:
+    if engine != "refimpl" and (engine, scheme) != ("lammps", "velocity_verlet"):
         return None
-    start, each = EVALUATIONS[engine, scheme]
+    start, each = evaluations_of(scheme)
     return start + steps * each
 
 

@@ -8,22 +8,22 @@ from functools import partial
 from typing import Literal, NamedTuple
 
 from crosscheck.checks.base import Check, Laboratory, Variant
-from crosscheck.checks.operations import CRITERION, EQUATION, as_known, at_most, counted, counting, exactly
+from crosscheck.checks.operations import (
+    CRITERION,
+    EQUATION,
+    as_known,
+    at_most,
+    counted,
+    counting,
+    evaluations_of,
+    exactly,
+)
 from crosscheck.checks.stepping.fluids import LISTS, STEP
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.scene import Box, Lattice, LennardJones, Method, Scene
 from crosscheck.verdict import Judged, worst
 
-#: Evaluations at the start and in a step, of schemes that do not have one each.
-_EVALUATIONS = {
-    "euler": (0, 1),
-    "modified_euler": (0, 1),
-    "symplectic_euler": (0, 1),
-    "euler_pc": (0, 2),
-    "beeman": (2, 1),
-    "beeman_pc": (2, 1),
-}
 _NUMBER, _STEPS = 64, 50
 #: Of `refimpl`: particles that share a list of neighbours, and how far it reaches beyond the cutoff.
 _TILE, _CLOSE_SKIN = 8, 0.2
@@ -70,7 +70,7 @@ def _judge_schemes(laboratory: Laboratory) -> Judged:
         if claims.kind != "stepping":
             continue
         cost = laboratory.run(_scene(_DISKS._replace(density=0.1), 4, 6), Method(scheme=name, dt=STEP.dt)).cost
-        start, each = _EVALUATIONS.get(name, (1, 1))
+        start, each = evaluations_of(name)
         if laboratory.engine == "refimpl":
             judged.append(exactly(f"{name}: evaluations in 6 steps", cost.evaluations, start + 6 * each))
         else:

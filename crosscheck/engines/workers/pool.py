@@ -15,13 +15,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
 from crosscheck.engines.protocol import Cost, Run
 from crosscheck.engines.soft_spheres import resolved
 from crosscheck.engines.workers import border, ending, recording
 from crosscheck.engines.workers.cache import kernel_cache
 from crosscheck.engines.workers.ending import TIME_LIMIT
+from crosscheck.engines.workers.states import taken_over
 from crosscheck.errors import EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.scene import Method, Scene
 
@@ -100,7 +99,7 @@ class Worker:
         keep: file for the state at its end, written if the engine can restart and the run came to its end; None: none.
         """
         texts = {"scene": scene.to_json(), "method": method.model_dump_json()}
-        path = Path(self._directory.name) / "run.npz"
+        path = Path(self._directory.name) / "run"
         files = {"progress": progress, "restart": restart, "keep": keep}
         given = {name: str(file) for name, file in files.items() if file is not None}
         request = {"call": "run", "path": str(path), **given, **texts}
@@ -113,8 +112,7 @@ class Worker:
         """The run that an answer and its file hold, checked again in the suite's own process."""
         if "unsupported" in reply:
             raise Unsupported(f"{self.engine}: {border.reason(reply['unsupported'])}")
-        with np.load(path) as file:
-            found = {name: file[name] for name in file}
+        found = taken_over(path, reply["shapes"])
         rest = {name: reply[name] for name in ("diverged", "stopped", "remarks")}
         _, rest = border.outcome(Run(cost=Cost(**reply["cost"]), **rest))
         ended = {"diverged": rest["diverged"], "stopped": rest["stopped"]}

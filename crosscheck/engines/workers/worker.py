@@ -23,7 +23,7 @@ from crosscheck.engines.registry import load_class
 from crosscheck.engines.sizes import refuse_large_run
 from crosscheck.engines.soft_spheres import resolved
 from crosscheck.engines.workers import border, recording
-from crosscheck.engines.workers.states import read_arrays
+from crosscheck.engines.workers.states import hand_over, read_arrays
 from crosscheck.errors import UsageError
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.scene.observables import TABLE
@@ -55,8 +55,7 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
     progress.stage("preparing the start")
     given, rest = border.outcome(_run(engine, wanted, method, request))
     arrays = border.arrays(given, wanted, method, diverged=rest["diverged"], stopped=rest["stopped"])
-    np.savez(request["path"], allow_pickle=False, **_asked_arrays(arrays, scene, method))
-    return rest
+    return rest | {"shapes": hand_over(Path(request["path"]), _asked_arrays(arrays, scene, method))}
 
 
 def _run(engine: Engine, scene: Scene, method: Method, request: dict[str, Any]) -> Run:

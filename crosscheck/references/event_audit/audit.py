@@ -162,8 +162,7 @@ class _Judge:
             spin = max(float(np.abs(a.spin - b.spin).max()) for a, b in pairs)
             return velocity / (outcome.amplified * self.velocity), spin / (outcome.amplified * self.spin)
 
-        best = min(outcomes, key=lambda outcome: max(errors(outcome)))
-        velocity, spin = errors(best)
+        (velocity, spin), best = min(((errors(one), one) for one in outcomes), key=lambda found: max(found[0]))
         event.inside = best.inside
         what = {"core": "collision", "edge": "edge of the well", "wall": "wall"}[event.kind]
         self.found.note("velocities after", velocity, 1.0, f"{where}: {what}")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +48,12 @@ class Matter:
         """N."""
         return len(self.masses)
 
-    @property
+    @cached_property
     def fixed(self) -> NDArray[np.bool_]:
         """Which particles never move, (N,)."""
         return self.inverse == 0.0
 
-    @property
+    @cached_property
     def weights(self) -> Floats:
         """(N,) masses that carry momentum and energy: 0 of fixed particles."""
         return np.where(self.fixed, 0.0, self.masses)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from crosscheck.scene import overlaps
 from crosscheck.scene.overlaps import Overlap, find_overlap, wrapped
 
 
@@ -39,6 +40,7 @@ def all_pairs(positions: Any, diameters: Any, fixed: Any, periods: Any) -> Any:
     wraps=st.tuples(st.booleans(), st.booleans(), st.booleans()),
     room=st.floats(9, 60),
     soft=st.booleans(),
+    trees=st.booleans(),
 )
 def test_finds_an_overlap_where_there_is_one(
     seed: int,
@@ -49,14 +51,17 @@ def test_finds_an_overlap_where_there_is_one(
     wraps: Any,
     room: float,
     soft: bool,
+    trees: bool,
 ) -> None:
-    """Of soft particles, one by more than the smaller radius."""
+    """Of soft particles, one by more than the smaller radius. Few particles are searched for in trees too."""
     rng = np.random.default_rng(seed)
     positions = rng.uniform(-room, 2 * room, (number, dimension))
     diameters = rng.choice(sizes, number) * rng.choice([1.0, 0.9], number)
     fixed = rng.random(number) < 0.5 * some_fixed
     periods = np.where(wraps[:dimension], room, 0.0)
-    found = find_overlap(positions, diameters, fixed, periods, 1e-9, soft)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(overlaps, "ALL_PAIRS", 0 if trees else number)
+        found = find_overlap(positions, diameters, fixed, periods, 1e-9, soft)
     gaps = all_pairs(positions, diameters, fixed, periods)
     allowed = 0.5 * np.minimum(diameters[:, None], diameters[None]) * soft
     if found is None:
@@ -68,7 +73,9 @@ def test_finds_an_overlap_where_there_is_one(
     assert found.contact == 0.5 * (diameters[found.i] + diameters[found.j])
 
 
-def test_points_in_one_place_and_fixed_ones_are_let_be() -> None:
+@pytest.mark.parametrize("most", [0, 2])
+def test_points_in_one_place_and_fixed_ones_are_let_be(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(overlaps, "ALL_PAIRS", most)
     free, none = np.zeros(2), np.zeros(2, dtype=bool)
     together = np.array([[1.0, 1.0], [1.0, 1.0]])
     assert find_overlap(together, np.zeros(2), none, free, 0.0) is None
