@@ -37,6 +37,8 @@ from crosscheck.verdict import SEEN, SUSPICIOUS, Findings, Judgement, findings
 
 #: epsilon of the trial, and the least change of a number that counts as an answer to it, as a share of epsilon.
 TRIAL, LEAST_ANSWER = 1e-3, 0.02
+#: How exactly the deviation is injected, as a share of it.
+EXACT = 0.01
 #: Alterations: name, and what becomes of an array x.
 ALTERATIONS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "times 1 + e": lambda x, e: x * (1 + e),
@@ -121,9 +123,12 @@ class Answer(NamedTuple):
     slope: float
 
 
-def moving(laboratory: Replaying, judge: Callable[[], Any], index: int, size: float) -> Answer | None:
-    """The alteration that moves the number of a judgement most, of the first kind that does; None: none does."""
-    still = laboratory.judged(judge)
+def moving(run: Judged, index: int, size: float) -> Answer | None:
+    """The alteration that moves the number of a judgement most, of the first kind that does; None: none does.
+
+    index: of the judgement. size: of the number; less than `LEAST_ANSWER` of it is no answer.
+    """
+    laboratory, judge, still = run
     for several in alterations(laboratory.kept, laboratory.engine):
         answers = []
         for one in several:
@@ -133,9 +138,9 @@ def moving(laboratory: Replaying, judge: Callable[[], Any], index: int, size: fl
                 continue
             if len(moved.judgements) == len(still.judgements):
                 change = (measured(moved, index) - measured(still, index)) / TRIAL
-                answers.append(Answer(one, change))
-        best = max(answers, key=lambda answer: abs(np.nan_to_num(answer.slope)), default=None)
-        if best is not None and abs(np.nan_to_num(best.slope)) > LEAST_ANSWER * size:
+                answers.append(Answer(one, float(np.nan_to_num(change))))
+        best = max(answers, key=lambda answer: abs(answer.slope), default=None)
+        if best is not None and abs(best.slope) > LEAST_ANSWER * size:
             return best
     return None
 
@@ -156,6 +161,14 @@ def deviation(judged: Sequence[Judgement]) -> float:
     return float(np.mean(np.square(parts)) ** 0.5 + np.mean([one.doubt or 0.0 for one in judged]))
 
 
+class Judged(NamedTuple):
+    """A run of a case. laboratory: has its data. judge: judges them. still: what it found in them as they are."""
+
+    laboratory: Replaying
+    judge: Callable[[], Any]
+    still: Findings
+
+
 class Seen(NamedTuple):
     """Of a deviation to one side. twice: seeds in which both runs were red. exact: other numbers that became red."""
 
@@ -163,19 +176,19 @@ class Seen(NamedTuple):
     exact: set[str]
 
 
-def injected(pairs: Sequence[tuple[Replaying, Replaying]], judges: Any, index: int, answer: Answer, side: int) -> Seen:
-    """Judges the altered runs of all pairs; side: 1 or -1."""
-    everyone = [(laboratory, judges(laboratory)) for pair in pairs for laboratory in pair]
-    base = [laboratory.judged(judge) for laboratory, judge in everyone]
-    ones = [found.judgements[index] for found in base]
-    expected = float(np.mean([one.expected for one in ones]))
-    wanted = expected + side * deviation(ones)
-    values = np.array([measured(found, index) for found in base])
-    epsilon = (wanted - values.mean()) / answer.slope
-    for _ in range(3):  # the answer is not quite linear, and not the same in all runs
-        found = [laboratory.judged(judge, answer.alteration, epsilon) for laboratory, judge in everyone]
+def injected(runs: Sequence[Judged], index: int, answer: Answer, side: int) -> Seen:
+    """Judges the altered runs: two of each seed, one after the other; index: of the judgement; side: 1 or -1."""
+    ones = [run.still.judgements[index] for run in runs]
+    size = deviation(ones)
+    wanted = float(np.mean([one.expected for one in ones])) + side * size
+    start = float(np.mean([measured(run.still, index) for run in runs]))
+    epsilon = (wanted - start) / answer.slope
+    for _ in range(4):  # the answer is not quite linear, and not the same in all runs
+        found = [run.laboratory.judged(run.judge, answer.alteration, epsilon) for run in runs]
         moved = float(np.mean([measured(one, index) for one in found]))
-        epsilon *= (wanted - values.mean()) / (moved - values.mean())
+        if abs(moved - wanted) < EXACT * size:
+            break
+        epsilon *= (wanted - start) / (moved - start)
     red = [one.judgements[index].outcome == "fail" for one in found]
     exact = {j.quantity for one in found for j in one.judgements if j.outcome == "fail" and j.freedom is None}
     twice = sum(first and second for first, second in zip(red[::2], red[1::2], strict=True))
@@ -188,31 +201,38 @@ def rows(case: runner.Case, seeds: int, pool: Pool) -> Iterator[str]:
     schemes = engine_class(case.engine).schemes
     variant = next(one for one in check.offered(schemes) if one.name == case.variant)
 
-    def judges(laboratory: Replaying) -> Callable[[], Any]:
-        return lambda: check.judge(laboratory, variant.value)
+    def judged(name: str, seed: int) -> Judged:
+        laboratory = Replaying(case.engine, schemes, pool, name, seed, interpreted=check.interpreted)
 
-    def started(name: str, seed: int) -> Replaying:
-        return Replaying(case.engine, schemes, pool, name, seed, interpreted=check.interpreted)
+        def judge() -> Any:
+            return check.judge(laboratory, variant.value)
 
-    first = started(case.name, 0)
-    chosen = statistical_ones(first.judged(judges(first)))
+        return Judged(laboratory, judge, laboratory.judged(judge))
+
+    first = judged(case.name, 0)
+    chosen = statistical_ones(first.still)
     if not chosen:
         return
-    pairs = [(started(case.name, seed), started(f"{case.name}/again", seed)) for seed in range(seeds)]
-    name = f"{case.name} [{case.engine}]"
+    runs = [first, judged(again(case), 0)]
+    runs += [judged(name, seed) for seed in range(1, seeds) for name in (case.name, again(case))]
+    label = f"{case.name} [{case.engine}]"
     for index, one in chosen.items():
-        size = max(abs(one.measured or 0.0), deviation([one]))
-        answer = moving(first, judges(first), index, size)
+        answer = moving(first, index, max(abs(one.measured or 0.0), deviation([one])))
         if answer is None:
-            yield f"| {name} | {one.quantity} | {one.freedom:.3g} | none moves it | | | | |"
+            yield f"| {label} | {one.quantity} | {one.freedom:.3g} | none moves it | | | | |"
             continue
-        up, down = (injected(pairs, judges, index, answer, side) for side in (1, -1))
+        up, down = (injected(runs, index, answer, side) for side in (1, -1))
         interval = binomtest(up.twice + down.twice, 2 * seeds).proportion_ci()
         yield (
-            f"| {name} | {one.quantity} | {one.freedom:.3g} | {answer.alteration} | {up.twice / seeds:.2f} | "
+            f"| {label} | {one.quantity} | {one.freedom:.3g} | {answer.alteration} | {up.twice / seeds:.2f} | "
             f"{down.twice / seeds:.2f} | {interval.low:.2f} to {interval.high:.2f} | "
             f"{'; '.join(sorted(up.exact | down.exact))} |"
         )
+
+
+def again(case: runner.Case) -> str:
+    """The name that seeds the second run of a case, as in `runner.judge`."""
+    return f"{case.name}/again"
 
 
 def main() -> None:

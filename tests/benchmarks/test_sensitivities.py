@@ -47,15 +47,17 @@ def mean_of(scale: float, doubt: float = 0.0) -> Callable[[Any], Callable[[], Ju
     return lambda laboratory: lambda: judge(laboratory)
 
 
-def laboratories(module: Any) -> list[Any]:
-    """Pairs of laboratories, each with one run."""
+def runs(module: Any, judges: Callable[[Any], Callable[[], Judged]]) -> list[Any]:
+    """Two of each seed, judged."""
     rng = np.random.default_rng(1)
 
     def one() -> Any:
         run = Run(time=np.arange(SAMPLES), x=rng.normal(MIDDLE, 1.0, SAMPLES), y=np.zeros(1))
-        return module.Replaying("refimpl", {}, Pool(), "a/b", kept=[("refimpl", run)])
+        laboratory = module.Replaying("refimpl", {}, Pool(), "a/b", kept=[("refimpl", run)])
+        judge = judges(laboratory)
+        return module.Judged(laboratory, judge, laboratory.judged(judge))
 
-    return [(one(), one()) for _ in range(SEEDS)]
+    return [one() for _ in range(2 * SEEDS)]
 
 
 @pytest.mark.parametrize(("scale", "doubt"), [(1.0, 0.0), (1.0, 0.5), (0.5, 0.0)])
@@ -63,11 +65,11 @@ def test_sensitivities_are_seen_as_often_as_stated_if_errors_are_right(
     benchmark_module: Any, scale: float, doubt: float
 ) -> None:
     """By the noncentral t distribution, also where errors are given too small."""
-    pairs, judges = laboratories(benchmark_module), mean_of(scale, doubt)
-    answer = benchmark_module.moving(pairs[0][0], judges(pairs[0][0]), 0, MIDDLE)
+    judged = runs(benchmark_module, mean_of(scale, doubt))
+    answer = benchmark_module.moving(judged[0], 0, MIDDLE)
     assert answer.alteration == benchmark_module.Alteration("x", "times 1 + e")
     assert answer.slope == pytest.approx(MIDDLE, rel=0.01)
-    up, down = (benchmark_module.injected(pairs, judges, 0, answer, side) for side in (1, -1))
+    up, down = (benchmark_module.injected(judged, 0, answer, side) for side in (1, -1))
     quantile = student_quantile(SUSPICIOUS, SAMPLES - 1)
     beyond = seen_beyond(quantile, SAMPLES - 1, SEEN**0.5)
     seen = float(nct.sf(scale * quantile, SAMPLES - 1, scale * beyond)) ** 2
@@ -78,13 +80,12 @@ def test_sensitivities_are_seen_as_often_as_stated_if_errors_are_right(
 
 
 def test_what_cannot_be_moved_is_said(benchmark_module: Any) -> None:
-    laboratory = laboratories(benchmark_module)[0][0]
-
-    def judge() -> Judged:
+    def constant(laboratory: Any) -> Judged:
         laboratory.run(None, "event_driven")
         return statistical("x", 0.1, 1.0, 0.0, 0.0, "why", samples=SAMPLES)
 
-    assert benchmark_module.moving(laboratory, judge, 0, 1.0) is None
+    judged = runs(benchmark_module, lambda laboratory: lambda: constant(laboratory))
+    assert benchmark_module.moving(judged[0], 0, 1.0) is None
 
 
 def test_only_the_engine_under_judgement_is_altered(benchmark_module: Any) -> None:
