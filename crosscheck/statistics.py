@@ -21,6 +21,8 @@ WINDOW = 4.0
 #: matters; no more than 12, since correlations that decay slowly are found among the slowest components alone. Chosen
 #: by the false-alarm rates of simulated series: see docs/verdicts.md.
 _SHARE, _FEWEST, _MOST = 0.3, 6, 12
+#: What the mean of the slowest components is raised by for correlations with long tails: see `_fall`.
+_CUSP = 0.3
 #: The shortest series whose trend is tested.
 _SHORTEST_TREND = 8
 
@@ -62,8 +64,9 @@ def correlated_mean(series: ArrayLike) -> Mean:
     1/2)/n), for j small beside the number N of independent samples, is independent of the others, and of variance n
     error^2. So the mean of q such squares gives an error of q degrees of freedom, whatever the correlation; only N,
     which says how many are slow, follows from the autocorrelation time tau. What the spectrum of an exponential
-    correlation falls by up to the last of them is made up for. series: (n,), at equal distances in time. ValueError for
-    fewer than 4 values or values that are not finite.
+    correlation falls by up to the last of them is made up for, and so is part of what it falls by where the correlation
+    has a long tail. series: (n,), at equal distances in time. ValueError for fewer than 4 values or values that are not
+    finite.
     """
     from scipy.fft import dct
 
@@ -77,7 +80,7 @@ def correlated_mean(series: ArrayLike) -> Mean:
     independent = n / (2 * _autocorrelation_time(centred, 1))
     number = _slow_components(independent)
     amplitudes = dct(centred, norm="ortho")[1 : number + 1]
-    error = np.sqrt(np.mean(amplitudes**2) / n * _fall(number, independent))
+    error = np.sqrt(np.mean(amplitudes**2) / n * _fall(number, independent, n))
     if number < _FEWEST:  # of so few, all may be small by chance
         error = max(error, np.sqrt(np.mean(centred**2) / independent))
     return Mean(float(x.mean()), float(error), independent, float(number), _trend(x))
@@ -141,13 +144,18 @@ def _slow_components(independent: float) -> int:
     return max(1, int(min(_SHARE * independent + 1e-9, max(_FEWEST, 2 + 0.7 * independent**0.5), _MOST)))
 
 
-def _fall(last: int, independent: float) -> float:
-    """By how much the square of an error is too small: (1 + x^2) is the inverse of the spectrum of exponentials.
+def _fall(last: int, independent: float, length: int) -> float:
+    """By how much the square of an error is too small: the spectrum of a correlation falls from its value at 0.
 
-    last: number of the fastest component, cos(pi last (t + 1/2)/n). independent: number of independent samples N; x =
-    pi last/2N, whose square has the mean x^2/3 over all components up to the last.
+    last: number of the fastest component, cos(pi last (t + 1/2)/n). independent: number of independent samples N.
+    length: number of values n. With x = pi last/2N, that of exponentials is 1/(1 + x^2) there, 1 - x^2/3 in the mean
+    over all components up to the last. That of correlations which end as t^-3/2 has a cusp, 1 - (pi x)^1/2/2: 0.6 to
+    0.65 x^1/2 in the mean, of which the variance of the mean of n values lacks N^-1/2 itself, for 6 to 12 components
+    0.2 to 0.3 x^1/2. What one series is like does not show; so most of the rest is made up for in all of them, as far
+    as they are correlated: the share 1/2 tau = N/n of the spectrum at 0 is that of single values, which is flat.
     """
-    return 1 + (np.pi * last / (2 * independent)) ** 2 / 3
+    x = np.pi * last / (2 * independent)
+    return float(1 + x**2 / 3 + _CUSP * (1 - independent / length) * x**0.5)
 
 
 class _Line(NamedTuple):
@@ -204,7 +212,7 @@ def _trend(x: NDArray[np.float64]) -> Trend | None:
     independent = n / (2 * _autocorrelation_time(left, 3))
     number = min(_slow_components(independent), n - 4)
     parts = _polynomials(n, number + 2)[3:] @ left
-    error = line.per_unit * np.sqrt(np.mean(parts**2) * _fall(number + 2, independent))
+    error = line.per_unit * np.sqrt(np.mean(parts**2) * _fall(number + 2, independent, n))
     return Trend(line.change, float(error), float(number))
 
 

@@ -47,8 +47,8 @@ LARGEST_IN_SPREADS = 12.0
 #: What the sensitivity of a judgement is: in its docstring, in docs/record.md and in the report.
 SENSITIVITY = (
     "the smallest deviation from the expected value that would have been red, as a share of that value (absolute where "
-    "that is zero); of a statistical judgement, in 90 % of all runs; of a bound, how far the measured value was from "
-    "turning red: |limit - measured|/|limit|"
+    "that is zero); of a number with a standard error, in 90 % of all runs; of a bound or a test statistic, how far "
+    "the measured value was from turning red: |limit - measured|/|limit|"
 )
 
 
@@ -73,13 +73,13 @@ class Judgement:
     outcome: "pass" is called green, "fail" red. quantity: name and unit of what was measured. measured, uncertainty: it
     and its standard error. expected, expected_uncertainty: the same of the reference. deviation: as a share of the
     tolerance, whatever the criterion: red above 1. sensitivity: the smallest deviation from the expected value that
-    would have been red, as a share of that value (absolute where that is zero); of a statistical judgement, in 90 % of
-    all runs; of a bound, how far the measured value was from turning red: |limit - measured|/|limit|. criterion: how
-    they were compared. sigmas: the deviation in standard errors, of a statistical judgement. freedom: degrees of
-    freedom of that error. doubt: of the tolerance, what is systematic. p_value: the probability of a deviation as large
-    as this one, beyond the doubt, of a right code. false_alarm: the probability of a red judgement of a right code.
-    control: it checks the set-up of the simulation, and is shown only when it is not green. note: a remark on this
-    number. figures: see `crosscheck.figure`.
+    would have been red, as a share of that value (absolute where that is zero); of a number with a standard error, in
+    90 % of all runs; of a bound or a test statistic, how far the measured value was from turning red: |limit -
+    measured|/|limit|. criterion: how they were compared. sigmas: the deviation in standard errors, of a statistical
+    judgement. freedom: degrees of freedom of that error. doubt: of the tolerance, what is systematic. p_value: the
+    probability of a deviation as large as this one, beyond the doubt, of a right code. false_alarm: the probability of
+    a red judgement of a right code. control: it checks the set-up of the simulation, and is shown only when it is not
+    green. note: a remark on this number. figures: see `crosscheck.figure`.
     """
 
     outcome: Outcome

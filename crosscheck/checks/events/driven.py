@@ -12,8 +12,8 @@ from crosscheck.figure import FieldMap, Figure, Frame, RoundFrame, Series, Snaps
 from crosscheck.references import EPSILON
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Lattice, Method, Observable, Output, Scene, explicit
 from crosscheck.scene.overlaps import wrapped
-from crosscheck.statistics import Mean, mean_of_stretches, standard_error
-from crosscheck.verdict import Judgement, bounded, round_off, statistical
+from crosscheck.statistics import Mean, mean_of_stretches, standard_error, student_quantile
+from crosscheck.verdict import SUSPICIOUS, Judgement, bounded, round_off, statistical
 
 #: Asked for by all driven scenes, so that they share their kernels.
 OBSERVABLES: tuple[Observable, ...] = (
@@ -129,10 +129,6 @@ def energy_budget(runs: list[Run]) -> Judgement:
     )
 
 
-#: Probability that a control takes chance for a difference.
-_BY_CHANCE = 1e-4
-
-
 def steady_mean(values: Floats | Mean, quantity: str, expected: float, needed: float, why: str = STEADY) -> Judgement:
     """The mean of one value a stretch, or of a correlated series, against a number.
 
@@ -148,14 +144,13 @@ def significant(values: Floats, quantity: str) -> Judgement:
 
     quantity: the difference that `values` are, in words.
     """
-    from scipy.stats import t
-
     mean = mean_of_stretches(values)
     return bounded(
         f"{quantity}, in standard errors",
         mean.value / mean.error,
-        float(t.isf(_BY_CHANCE, len(values) - 1)),
-        f"Student's t of {len(values)} stretches, exceeded without a difference with the probability {_BY_CHANCE:g}",
+        student_quantile(SUSPICIOUS, mean.freedom),
+        f"Student's t of {len(values)} stretches, exceeded without a difference with the probability "
+        f"{SUSPICIOUS:g} to either side, as the tolerance of a statistical judgement",
         at_least=True,
         control=True,
         note=f"the difference is {mean.value:.4g}",

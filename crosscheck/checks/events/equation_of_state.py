@@ -107,7 +107,7 @@ CHECKS = (
         "Reference Simulation Website",
         judge=_judge,
         variants=(
-            *quick(**{"spheres-n0.4": _State(3, reference.packing_fraction(0.4, 3), 4e5, 0.012)}),
+            *quick(**{"spheres-n0.4": _State(3, reference.packing_fraction(0.4, 3), 8e5, 0.012)}),
             *full(**_DISKS, **_SPHERES),
         ),
         needs=event_driven("box.boundaries=periodic", " ".join(TALLIES)),

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
-from crosscheck.checks.events.driven import temperature
+from crosscheck.checks.events.driven import significant, temperature
+from crosscheck.verdict import SUSPICIOUS
 
 
 def test_temperature_leaves_the_mean_motion_out() -> None:
@@ -15,3 +17,13 @@ def test_temperature_leaves_the_mean_motion_out() -> None:
     found = temperature(mass, momentum, kinetic)
     assert found[0] == pytest.approx(v.var(axis=0).mean())
     assert np.isnan(found[1])
+
+
+def test_differences_are_found_at_the_level_of_all_statistical_judgements() -> None:
+    values = np.array([0.9, 1.3, 1.1, 0.7, 1.0, 1.2, 0.8, 1.0])
+    found = significant(values, "x")
+    assert found.outcome == "pass"
+    assert found.control
+    # a right code without a difference is beyond it, to either side, with the probability 1e-3
+    assert 2 * student.sf(found.expected, 7) == pytest.approx(SUSPICIOUS)
+    assert significant(values - 0.9, "x").outcome == "fail"
