@@ -332,7 +332,7 @@ def _minor_ticks(axes: Axes, axis: Axis) -> None:
     """
     import matplotlib
     from matplotlib.lines import Line2D
-    from matplotlib.markers import TICKDOWN, TICKLEFT
+    from matplotlib.markers import TICKDOWN, TICKLEFT, MarkerStyle
     from matplotlib.ticker import LogLocator
 
     low, high = sorted(axis.get_view_interval())
@@ -344,7 +344,7 @@ def _minor_ticks(axes: Axes, axis: Axis) -> None:
         Line2D(
             *((places, edge) if horizontal else (edge, places)),
             transform=axes.get_xaxis_transform() if horizontal else axes.get_yaxis_transform(),
-            marker=TICKDOWN if horizontal else TICKLEFT,
+            marker=MarkerStyle(TICKDOWN if horizontal else TICKLEFT),
             markersize=matplotlib.rcParams["xtick.minor.size"],
             markeredgewidth=matplotlib.rcParams["xtick.minor.width"],
             color=_INK,
