@@ -73,12 +73,10 @@ def _motions() -> dict[str, Motion]:
     speed = np.zeros_like(rows)
     speed[-1] = 57.0, 0.0
     fast = _scene("fast", (15.9, 9.6), rows, speed, lennard_jones=LennardJones(cutoff=1.7))
-    # two particles alone move, far from each other: whatever their places in the lists, one is among the last
-    beads = [(0.7 + 1.3 * i, y, z) for y, z in ((2.0, 3.0), (7.4, 8.4)) for i in range(8)]
-    far = np.array([*beads, (0.3, 3.1, 3.0), (8.1, 8.5, 8.4)])
-    two = np.zeros_like(far)
-    two[-2:, 0] = 41.0, -41.0
-    couple = _scene("couple", (10.5, 11.3, 12.1), far, two, lennard_jones=LennardJones(cutoff=1.7))
+    # two pairs in a box like a thread: a grid of cubes would have more cells than there is room for
+    middles, way = np.array([[1.0, 40.0, 1.5], [3.0, 3980.0, 2.5]]), np.array([[0.3, 0.4, 0.3], [0.4, -0.3, 0.35]])
+    pairs = np.concatenate([middles + way, middles - way])
+    thread = _scene("thread", (4.0, 4000.0, 4.5), pairs, np.concatenate([way, -way]) * 3.0)
     # far apart in a wide box, and on their way to one place: lists outgrow their memory in mid-run
     sparse = _grid(rng, (4, 4, 4), 4.2)
     species = tuple(i % 2 for i in range(len(sparse)))
@@ -100,7 +98,7 @@ def _motions() -> dict[str, Motion]:
         "streams": Motion(streams, 0.004, 36, 9),
         "slab": Motion(slab, 0.004, 32, 8),
         "fast-particle": Motion(fast, 0.004, 36, 12),
-        "fast-couple": Motion(couple, 0.004, 36, 12),
+        "thread": Motion(thread, 0.004, 6, 3),
         "closing-in": Motion(closing, 0.0095, 10, 5),
         "drop": Motion(drop, 0.004, 2, 1),
         # lists outgrow their memory where the energies of the start are asked for, and in the first of two evaluations
