@@ -12,8 +12,8 @@ both.
 
 The deviation that is injected is that of the mean sensitivity of all runs (root mean square of what depends on the
 standard error). Printed for either side: the share of seeds in which it is seen, and of all of them the interval that
-holds the true share with the probability 0.95 (Clopper and Pearson); what else turns red that has no standard error. Where
-the expected value has an error of its own, the same in all runs, more than 90 % are seen.
+holds the true share with the probability 0.95 (Clopper and Pearson); what else turns red, of numbers without a standard
+error. Where the expected value has an error of its own, the same in all runs, more than 90 % are seen.
 """
 
 from __future__ import annotations
@@ -170,7 +170,9 @@ class Judged(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """Of a deviation to one side. twice: seeds in which both runs were red. others: numbers without a standard error that became red."""
+    """Of a deviation to one side. twice: seeds in which both runs were red. others: what became red besides, of numbers
+    without a standard error.
+    """
 
     twice: int
     others: set[str]
