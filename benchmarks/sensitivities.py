@@ -12,8 +12,8 @@ both.
 
 The deviation that is injected is that of the mean sensitivity of all runs (root mean square of what depends on the
 standard error). Printed for either side: the share of seeds in which it is seen, and of all of them the interval that
-holds the true share with the probability 0.95 (Clopper and Pearson); what else turns red that is not statistical. Where
-the expected value has an error of its own, the same in all runs, more than 90 % are seen.
+holds the true share with the probability 0.95 (Clopper and Pearson); what else turns red, of numbers without a standard
+error. Where the expected value has an error of its own, the same in all runs, more than 90 % are seen.
 """
 
 from __future__ import annotations
@@ -170,10 +170,12 @@ class Judged(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """Of a deviation to one side. twice: seeds in which both runs were red. exact: other numbers that became red."""
+    """Of a deviation to one side. twice: seeds in which both runs were red. others: what became red besides, of numbers
+    without a standard error.
+    """
 
     twice: int
-    exact: set[str]
+    others: set[str]
 
 
 def injected(runs: Sequence[Judged], index: int, answer: Answer, side: int) -> Seen:
@@ -190,9 +192,9 @@ def injected(runs: Sequence[Judged], index: int, answer: Answer, side: int) -> S
             break
         epsilon *= (wanted - start) / (moved - start)
     red = [one.judgements[index].outcome == "fail" for one in found]
-    exact = {j.quantity for one in found for j in one.judgements if j.outcome == "fail" and j.freedom is None}
+    others = {j.quantity for one in found for j in one.judgements if j.outcome == "fail" and j.freedom is None}
     twice = sum(first and second for first, second in zip(red[::2], red[1::2], strict=True))
-    return Seen(twice, exact)
+    return Seen(twice, others)
 
 
 def rows(case: runner.Case, seeds: int, pool: Pool) -> Iterator[str]:
@@ -226,7 +228,7 @@ def rows(case: runner.Case, seeds: int, pool: Pool) -> Iterator[str]:
         yield (
             f"| {label} | {one.quantity} | {one.freedom:.3g} | {answer.alteration} | {up.twice / seeds:.2f} | "
             f"{down.twice / seeds:.2f} | {interval.low:.2f} to {interval.high:.2f} | "
-            f"{'; '.join(sorted(up.exact | down.exact))} |"
+            f"{'; '.join(sorted(up.others | down.others))} |"
         )
 
 
@@ -244,7 +246,9 @@ def main() -> None:
     parser.add_argument("--engine", default="refimpl")
     options = parser.parse_args()
     pool = Pool()
-    print("| case | quantity | freedom | altered | seen, + | seen, - | 95 % of both | also red, not statistical |")
+    print(
+        "| case | quantity | freedom | altered | seen, + | seen, - | 95 % of both | also red, without standard error |"
+    )
     print("|---|---|---|---|---|---|---|---|")
     for case in runner.select(options.patterns, options.tier, [options.engine]):
         if not case.timing:

@@ -76,7 +76,7 @@ def test_sensitivities_are_seen_as_often_as_stated_if_errors_are_right(
     assert seen == pytest.approx(SEEN) or scale < 1
     share = (up.twice + down.twice) / (2 * SEEDS)
     assert share == pytest.approx(seen, abs=4 * (seen * (1 - seen) / (2 * SEEDS)) ** 0.5)
-    assert up.exact == set()
+    assert up.others == set()
 
 
 def test_what_cannot_be_moved_is_said(benchmark_module: Any) -> None:
