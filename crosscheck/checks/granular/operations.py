@@ -10,8 +10,8 @@ from crosscheck.scene import Box, Contact, HardSpheres, Lattice, Method, Output,
 from crosscheck.verdict import Judged, worst
 
 _GRAINS, _STEPS, _DT = 144, 50, 0.005
-#: Lists reach 0.3 diameters beyond the contact.
-_KNOWN = {"pair_tests": 11388, "list_builds": 9, "list_tests": 6371}
+#: Lists reach 0.3 diameters beyond the contact; the first one has too little room, and is made twice.
+_KNOWN = {"pair_tests": 11388, "list_builds": 10, "list_tests": 7827}
 
 
 def _scene() -> Scene:
