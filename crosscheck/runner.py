@@ -194,19 +194,26 @@ def judge(
     return Verdict(check.name, case.variant, case.engine, outcome, found, message, cost, tier)
 
 
+def _group(case: Case) -> str:
+    return case.check.partition("/")[0]
+
+
 class _CasesOfThreads:
     """Cases divided among threads: each has a contiguous part, and afterwards takes from the end of the longest part.
 
     Neighbouring cases need the same compiled kernels. Threads that took them in turn would wait for each other's
-    compilations; so a part begins with a check where one begins nearby.
+    compilations; so a part begins with a group of checks, or else with a check, where one begins nearby. Groups differ
+    in the engines and kernels that they need, of which each thread starts and loads its own.
     """
 
     def __init__(self, cases: list[Case], threads: int) -> None:
         starts = [i for i in range(1, len(cases)) if cases[i].check != cases[i - 1].check]
+        groups = [i for i in starts if _group(cases[i]) != _group(cases[i - 1])]
         edges = [len(cases) * k // threads for k in range(threads + 1)]
         reach = len(cases) // (4 * threads)
         for k in range(1, threads):
-            near = [start for start in starts if abs(start - edges[k]) <= reach]
+            near = [start for start in groups if abs(start - edges[k]) <= 2 * reach]
+            near = near or [start for start in starts if abs(start - edges[k]) <= reach]
             edges[k] = min(near, key=lambda start: abs(start - edges[k]), default=edges[k])
         self._parts = [deque(cases[start:end]) for start, end in pairwise(edges)]
         self._part_of_thread: dict[int, deque[Case]] = {}

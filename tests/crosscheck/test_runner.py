@@ -343,6 +343,19 @@ def test_a_thread_begins_with_a_check_where_one_begins_nearby() -> None:
     assert [len(part) for part in _CasesOfThreads(cases[:5], 2)._parts] == [2, 3]
 
 
+def test_a_thread_begins_with_a_group_where_one_begins_nearby() -> None:
+    """Groups differ in engines, and each thread starts its own workers."""
+
+    def begins(**sizes: int) -> list[str]:
+        names = [name.replace("_", "/") for name, size in sizes.items() for _ in range(size)]
+        parts = _CasesOfThreads([Case(name, "one", "refimpl", False) for name in names], 2)._parts
+        return [part[0].check for part in parts]
+
+    assert begins(a_b=4, a_c=2, d_e=6, d_f=4) == ["a/b", "d/e"]
+    # too far from the middle: with a check
+    assert begins(a_b=1, d_e=8, d_f=7) == ["a/b", "d/f"]
+
+
 def test_an_executor_that_is_given_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
     offer(monkeypatch, check("a/b"))
     with ThreadPoolExecutor(1) as executor:
