@@ -158,7 +158,10 @@ def scenes(draw: st.DrawFn) -> Scene:
         wall = Wall(cutoff=draw(positive)) if boundaries and "wall" in boundaries else None
         size = {"lengths": draw(lengths)} if draw(st.booleans()) else {"density": draw(positive)}
         more["box"] = Box(boundaries=boundaries, wall=wall, **size)
-        several = st.lists(positive, min_size=1, max_size=3).map(tuple)
+        species = draw(st.none() | st.lists(st.integers(0, 2), min_size=number, max_size=number).map(tuple))
+        kinds = 1 if species is None else max(species) + 1
+        several = st.lists(positive, min_size=kinds, max_size=kinds).map(tuple)
+        more["species"] = species
         more["lennard_jones"] = LennardJones(
             cutoff=draw(positive),
             epsilon=draw(positive | several),
@@ -167,7 +170,6 @@ def scenes(draw: st.DrawFn) -> Scene:
             truncation=draw(st.sampled_from(["truncated", "shifted", "force_shifted"])),
             tail_corrections=draw(st.booleans()),
         )
-        more["species"] = draw(st.none() | st.lists(st.integers(0, 3), min_size=number, max_size=number).map(tuple))
         if draw(st.booleans()):
             structure = draw(st.sampled_from(["fcc", "sc", "square", "triangular"]))
             temperature, seed = draw(st.just(0.0) | positive), draw(st.integers(0, 2**63 - 1))
