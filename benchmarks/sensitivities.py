@@ -123,8 +123,8 @@ class Answer(NamedTuple):
     slope: float
 
 
-def moving(run: Judged, index: int, size: float) -> Answer | None:
-    """The alteration that moves the number of a judgement most, of the first kind that does; None: none does.
+def moving(run: Judged, index: int, size: float) -> Iterator[Answer]:
+    """The alterations that move the number of a judgement: the simplest kind first, of each the strongest first.
 
     index: of the judgement. size: of the number; less than `LEAST_ANSWER` of it is no answer.
     """
@@ -139,10 +139,8 @@ def moving(run: Judged, index: int, size: float) -> Answer | None:
             if len(moved.judgements) == len(still.judgements):
                 change = (measured(moved, index) - measured(still, index)) / TRIAL
                 answers.append(Answer(one, float(np.nan_to_num(change))))
-        best = max(answers, key=lambda answer: abs(answer.slope), default=None)
-        if best is not None and abs(best.slope) > LEAST_ANSWER * size:
-            return best
-    return None
+        strong = [answer for answer in answers if abs(answer.slope) > LEAST_ANSWER * size]
+        yield from sorted(strong, key=lambda answer: -abs(answer.slope))
 
 
 def measured(found: Findings, index: int) -> float:
@@ -178,15 +176,22 @@ class Seen(NamedTuple):
     others: set[str]
 
 
-def injected(runs: Sequence[Judged], index: int, answer: Answer, side: int) -> Seen:
-    """Judges the altered runs: two of each seed, one after the other; index: of the judgement; side: 1 or -1."""
+def injected(runs: Sequence[Judged], index: int, answer: Answer, side: int) -> Seen | None:
+    """Judges the altered runs: two of each seed, one after the other; index: of the judgement; side: 1 or -1.
+
+    None where the check ends before it comes to that judgement, since what it looks at first is red.
+    """
     ones = [run.still.judgements[index] for run in runs]
     size = deviation(ones)
     wanted = float(np.mean([one.expected for one in ones])) + side * size
     start = float(np.mean([measured(run.still, index) for run in runs]))
     epsilon = (wanted - start) / answer.slope
     for _ in range(4):  # the answer is not quite linear, and not the same in all runs
-        found = [run.laboratory.judged(run.judge, answer.alteration, epsilon) for run in runs]
+        found = []
+        for run in runs:
+            found.append(run.laboratory.judged(run.judge, answer.alteration, epsilon))
+            if len(found[-1].judgements) < len(run.still.judgements):
+                return None
         moved = float(np.mean([measured(one, index) for one in found]))
         if abs(moved - wanted) < EXACT * size:
             break
@@ -219,11 +224,13 @@ def rows(case: runner.Case, seeds: int, pool: Pool) -> Iterator[str]:
     runs += [judged(name, seed) for seed in range(1, seeds) for name in (case.name, again(case))]
     label = f"{case.name} [{case.engine}]"
     for index, one in chosen.items():
-        answer = moving(first, index, max(abs(one.measured or 0.0), deviation([one])))
-        if answer is None:
+        for answer in moving(first, index, max(abs(one.measured or 0.0), deviation([one]))):
+            up, down = (injected(runs, index, answer, side) for side in (1, -1))
+            if up and down:
+                break
+        else:
             yield f"| {label} | {one.quantity} | {one.freedom:.3g} | none moves it | | | | |"
             continue
-        up, down = (injected(runs, index, answer, side) for side in (1, -1))
         interval = binomtest(up.twice + down.twice, 2 * seeds).proportion_ci()
         yield (
             f"| {label} | {one.quantity} | {one.freedom:.3g} | {answer.alteration} | {up.twice / seeds:.2f} | "

@@ -66,7 +66,7 @@ def test_sensitivities_are_seen_as_often_as_stated_if_errors_are_right(
 ) -> None:
     """By the noncentral t distribution, also where errors are given too small."""
     judged = runs(benchmark_module, mean_of(scale, doubt))
-    answer = benchmark_module.moving(judged[0], 0, MIDDLE)
+    answer = next(benchmark_module.moving(judged[0], 0, MIDDLE))
     assert answer.alteration == benchmark_module.Alteration("x", "times 1 + e")
     assert answer.slope == pytest.approx(MIDDLE, rel=0.01)
     up, down = (benchmark_module.injected(judged, 0, answer, side) for side in (1, -1))
@@ -85,7 +85,19 @@ def test_what_cannot_be_moved_is_said(benchmark_module: Any) -> None:
         return statistical("x", 0.1, 1.0, 0.0, 0.0, "why", samples=SAMPLES)
 
     judged = runs(benchmark_module, lambda laboratory: lambda: constant(laboratory))
-    assert benchmark_module.moving(judged[0], 0, 1.0) is None
+    assert list(benchmark_module.moving(judged[0], 0, 1.0)) == []
+
+
+def test_a_check_that_ends_before_the_judgement_sees_nothing(benchmark_module: Any) -> None:
+    def stopping(laboratory: Any) -> Judged:
+        x = laboratory.run(None, "event_driven")["x"]
+        kept = round_off("mean of x less what it is", float(x.mean()) - MIDDLE, 2.0, "why")
+        mean = statistical("x", float(x.mean()), 1.0, MIDDLE, 0.0, "why", samples=SAMPLES)
+        return kept if kept.outcome == "fail" else worst([kept, mean])
+
+    judged = runs(benchmark_module, lambda laboratory: lambda: stopping(laboratory))
+    answer = next(benchmark_module.moving(judged[0], 1, MIDDLE))
+    assert benchmark_module.injected(judged, 1, answer, 1) is None
 
 
 def test_only_the_engine_under_judgement_is_altered(benchmark_module: Any) -> None:
