@@ -29,6 +29,8 @@ Floats = NDArray[np.float64]
 _CONTACT, _RESOLUTION, _STEPS = 0.1, 10, 45
 #: Distance of neighbours in the crowd, over the largest diameter.
 _PITCH = 1.04
+#: Overlap with walls at the start, of a grain in their corner.
+_FAINT = 1e-7
 _STIFFNESS = float(np.pi**2 / 2 / _CONTACT**2)
 #: Of "hertz", about as stiff at an overlap of 0.05 of the radius 0.5.
 _HERTZ = 8.0 * _STIFFNESS
@@ -205,6 +207,8 @@ def audited_scene(row: Row, seed: int, potential: bool) -> Scene:
             places[:, axis] += lengths[axis] * rng.integers(-2, 3, number)
         if row[AXES[axis]] == "open" and row["start"] == "one far away":
             places[0, axis] -= 60.0 + 20.0 * axis
+        if row[AXES[axis]] in _WALLS and row["start"] == "apart":
+            places[0, axis] = diameters[0] / 2 - _FAINT
     return Scene(
         name="audited grains",
         dimension=d,  # type: ignore[arg-type]

@@ -73,6 +73,7 @@ def _judge_schemes(laboratory: Laboratory) -> Judged:
         start, each = evaluations_of(name)
         if laboratory.engine == "refimpl":
             judged.append(exactly(f"{name}: evaluations in 6 steps", cost.evaluations, start + 6 * each))
+            judged.append(exactly(f"{name}: pair tests beyond whole tiles", counted(cost, "pair_tests") % _TILE, 0))
         else:
             why = "no scheme of fixed steps needs more than the four of Runge and Kutta, and some at the start"
             judged.append(at_most(f"{name}: evaluations over 4 a step and 8", cost.evaluations / 32, 1.0, why))

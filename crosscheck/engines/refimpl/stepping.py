@@ -130,10 +130,12 @@ def unsupported_fluid(scene: Scene) -> str | None:
 
     UsageError if the initial state of the scene is impossible.
     """
+    from refimpl.stepping.kernels.neighbours import TooManyImages
+
     state = scene.initial_state()
     try:
         force_record(scene, state)
-    except ValueError as error:
+    except TooManyImages as error:
         return str(error)
     return None
 

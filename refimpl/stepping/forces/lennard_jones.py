@@ -160,7 +160,7 @@ def lennard_jones(
     the cutoff, and its own, each pair of images with half of its energy in the box.
 
     Units: any consistent set, with lengths, cutoff and skin in the unit of sigma. Raises ValueError for any argument
-    out of its range, and for a periodic side so short that the images are too many to be listed.
+    out of its range, and TooManyImages for a periodic side so short that the images are too many to be listed.
     """
     if dimension not in (2, 3):
         raise ValueError(f"dimension must be 2 or 3, got {dimension}")

@@ -124,12 +124,16 @@ class _Grid(NamedTuple):
     c: _Axis
 
 
+class TooManyImages(ValueError):
+    """A periodic box is so short that its images within the cutoff are too many to be listed."""
+
+
 def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) -> Neighbours:
     """Empty lists for `number` particles; the first `update` fills them.
 
     sides: box side of each periodic axis, 0 for an open one; cutoff, skin: lengths in the same unit.
-    Raises ValueError unless number >= 1, there are 2 or 3 sides, cutoff > 0, skin >= 0, the sides are finite, and the
-    lists of a box shorter than the list radius have at most MOST_ENTRIES entries.
+    Raises ValueError unless number >= 1, there are 2 or 3 sides, cutoff > 0, skin >= 0 and the sides are finite;
+    TooManyImages unless the lists of a box shorter than the list radius have at most MOST_ENTRIES entries.
     """
     dimension = len(sides)
     if number < 1:
@@ -153,7 +157,7 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
     around = (width + 2 * reach) ** dimension if dimension == 2 else 0.85 * (width + 2 * reach) ** dimension
     entries = tiles * min(number + images, 1.2 * density * around + 32)
     if entries > MOST_ENTRIES and any(0 < side < reach for side in sides):
-        raise ValueError(
+        raise TooManyImages(
             f"a box of sides {tuple(sides)} has {images:.1e} images of particles within cutoff + skin = {reach:g}, "
             f"whose lists need {entries:.1e} entries, the limit is {MOST_ENTRIES:.1e}: shorten the cutoff"
         )
