@@ -76,7 +76,7 @@ def compare(fast: Simulation, windows: int) -> int:
         if not naive.trace:
             break
         last = naive.trace[-1][0]
-        fast.run(until=start + last + 1e-9 * (1 + last))
+        fast.run(until=start + last + WORST)
         found = fast.trace()[done:]
         for slow, quick in zip(naive.trace, found, strict=False):
             assert event(slow) == event(quick), f"event {len(deviations)} of {len(naive.trace)}: {slow} {quick} {start}"
