@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import shlex
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import asdict
@@ -84,7 +83,7 @@ def mutate(sample: Sample, jobs: int | None, out: Path, resume: Path | None) -> 
         except Interrupted as caught:
             interruption = caught
         found = [score.judged(mutants[number], outcome, entries) for number, outcome in sorted(outcomes.items())]
-        about = {"date": datetime.now(UTC).date().isoformat(), "command": shlex.join(["crosscheck", *sys.argv[1:]])}
+        about = {"date": datetime.now(UTC).date().isoformat(), "command": _command(sample)}
         record = score.as_record(found, about | header | {"judged": len(found)})
         score.write(directory / SCORE, record)
         _print(found, directory)
@@ -92,6 +91,13 @@ def mutate(sample: Sample, jobs: int | None, out: Path, resume: Path | None) -> 
         print(f"complete it: add --resume {shlex.quote(str(directory))} to the command")
         raise interruption
     return 0
+
+
+def _command(sample: Sample) -> str:
+    """The command that draws a sample, without what its result does not depend on: directories and jobs."""
+    entries = ["crosscheck", "prove", *sample.checks, "--mutate", str(sample.number), "--seed", str(sample.seed)]
+    entries += ["--tier", sample.tier, "--population", sample.population]
+    return shlex.join([*entries, *(part for module in sample.modules for part in ("--module", module))])
 
 
 def _say(text: str) -> None:

@@ -35,7 +35,6 @@ def tried(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def score(directory: Path) -> dict[str, object]:
     record: dict[str, object] = json.loads((directory / mutating.SCORE).read_text())
-    record.pop("command")
     return record
 
 
@@ -47,6 +46,8 @@ def test_each_mutant_is_judged_once_and_the_score_is_kept(
     record = score(tmp_path)
     assert record["judged"] == 6
     assert record["seed"] == 3
+    options = "--tier quick --population refimpl --module events/rules"
+    assert record["command"] == f"crosscheck prove events/maxwell --mutate 6 --seed 3 {options}"
     out = capsys.readouterr().out
     assert "[6/6]" in out
     assert f"{record['caught']} of 6 caught" in out
