@@ -68,7 +68,7 @@ def seconds(value: float | None) -> str:
         return ABSENT
     if not math.isfinite(value):
         return "not finite"
-    if value < 0.1:
+    if value < 0.0995:  # two digits of more are 100 ms
         return f"{value * 1e3:.2g} ms"
     if value < 100:
         return f"{value:.2g} s" if value < 10 else f"{value:.0f} s"

@@ -13,16 +13,16 @@ from crosscheck.references import EPSILON
 from crosscheck.scene import Box, Floats, HardSpheres, Method, Output, Scene, explicit
 from crosscheck.verdict import Judged, Judgement, round_off, worst
 
-#: Disks of diameter 1 in lanes of their own, between walls that far apart; impacts of the fastest one.
-_SIDES, _IMPACTS = (2.3, 6.0), 3000
-#: Schemes of `refimpl` whose clock is a sum of two numbers.
-_EXACT_CLOCKS = ("event_driven_naive",)
+#: Disks of diameter 1 in lanes of their own, between walls that far apart.
+_SIDES = (2.3, 6.0)
+#: Schemes of `refimpl` whose clock is a sum of two numbers; impacts of the fastest disk: it shows in long runs alone.
+_EXACT_CLOCKS, _MANY, _SOME = ("event_driven_naive",), 3000, 600
 _STARTS = np.array([[0.6, 1.0], [1.7, 3.0], [1.1, 5.0]])
 _SPEEDS = np.array([0.7, -0.9, 0.31])
 
 
-def _scene() -> Scene:
-    duration = _IMPACTS * (_SIDES[0] - 1.0) / float(np.abs(_SPEEDS).max())
+def _scene(impacts: int) -> Scene:
+    duration = impacts * (_SIDES[0] - 1.0) / float(np.abs(_SPEEDS).max())
     return Scene(
         name="lanes",
         dimension=2,
@@ -41,10 +41,11 @@ def _unfolded(t: Floats) -> Floats:
 
 
 def _judge(laboratory: Laboratory, _: str) -> Judged:
-    scene, gap = _scene(), _SIDES[0] - 1.0
+    gap = _SIDES[0] - 1.0
     judged: list[Judgement] = []
     for name, claims in laboratory.claims.items():
-        method = Method(scheme=name)
+        method, impacts = Method(scheme=name), _MANY if name in _EXACT_CLOCKS else _SOME
+        scene = _scene(impacts)
         if claims.kind != EVENT_DRIVEN or refusal(engine_class(laboratory.engine), scene, method) is not None:
             continue
         run = laboratory.run(scene, method)
@@ -54,12 +55,12 @@ def _judge(laboratory: Laboratory, _: str) -> Judged:
             round_off(
                 f"{name}: error of a place",
                 float(np.abs(run["positions"][:, :, 0] - expected).max()),
-                _IMPACTS * EPSILON * (8 * _SIDES[0] + clock),
+                impacts * EPSILON * (8 * _SIDES[0] + clock),
                 "at each impact, roundings of the place, of the flight's time, of its product with the speed, and of "
                 "a clock that is one number",
             )
         )
-    return worst(judged, f"{_IMPACTS} impacts of the fastest disk")
+    return worst(judged, f"{_SOME} impacts of the fastest disk, or {_MANY}")
 
 
 CHECKS = (

@@ -49,7 +49,15 @@ def test_digits_reach_below_the_tolerance():
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [(0.012, "12 ms"), (3.42, "3.4 s"), (71.2, "71 s"), (306, "5 min 06 s"), (3720, "1 h 02 min"), (None, "–")],
+    [
+        (0.012, "12 ms"),
+        (0.0996, "0.1 s"),
+        (3.42, "3.4 s"),
+        (71.2, "71 s"),
+        (306, "5 min 06 s"),
+        (3720, "1 h 02 min"),
+        (None, "–"),
+    ],
 )
 def test_seconds(value, text):
     assert numbers.seconds(value) == text
