@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from benchmark_modules import benchmark_named
 from scipy.stats import nct
 
 from crosscheck.engines.protocol import Run
@@ -24,14 +22,7 @@ MIDDLE = 300.0
 
 @pytest.fixture(scope="module")
 def benchmark_module() -> Any:
-    path = Path(__file__).parents[2] / "benchmarks" / "sensitivities.py"
-    spec = importlib.util.spec_from_file_location("sensitivities", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # its dataclasses look themselves up there
-    spec.loader.exec_module(module)
-    return module
+    return benchmark_named("sensitivities")
 
 
 def mean_of(scale: float, doubt: float = 0.0) -> Callable[[Any], Callable[[], Judged]]:

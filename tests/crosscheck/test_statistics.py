@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from benchmark_modules import benchmark_named
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -28,14 +26,7 @@ from crosscheck.statistics import (
 @pytest.fixture(scope="module")
 def benchmark_module() -> Any:
     """benchmarks/false_alarms.py, which has series with known correlations."""
-    path = Path(__file__).parents[2] / "benchmarks" / "false_alarms.py"
-    spec = importlib.util.spec_from_file_location("false_alarms", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # its dataclasses look themselves up there
-    spec.loader.exec_module(module)
-    return module
+    return benchmark_named("false_alarms")
 
 
 def autoregressive(rho: float, count: int, length: int, seed: int) -> np.ndarray:
