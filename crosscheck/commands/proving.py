@@ -23,8 +23,8 @@ def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = 
 
     patterns: shell patterns of names of checks or of `check/variant`; none: all. jobs: faults at a time; None: one per
     core. seed: the suite's seed. time_limit: seconds that one call of an engine may take. The status is 0 if every
-    fault turns its check red, else 1. UsageError if a pattern matches no check with a fault, or the text that a fault
-    replaces is not there.
+    fault turns its check red, which is green without it, else 1. UsageError if a pattern matches no check with a fault,
+    or the text that a fault replaces is not there.
     """
 
     def matches(pattern: str, check: Check, variant: str) -> bool:
@@ -42,10 +42,12 @@ def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = 
     undetected = 0
     with ThreadPoolExecutor(that_pay(jobs, len(planted))) as pool:
         results = pool.map(lambda item: _prove_one(*item, seed=seed, time_limit=time_limit), planted)
-        for (check, variant, fault), verdict in zip(planted, results, strict=True):
-            red = verdict.outcome == "fail"
+        for (check, variant, fault), (verdict, without) in zip(planted, results, strict=True):
+            red = verdict.outcome == "fail" and without == "pass"
             undetected += not red
             state = "red" if red else f"NOT RED ({verdict.outcome})"
+            if verdict.outcome == "fail" and not red:
+                state = f"NOT GREEN WITHOUT ({without})"
             print(f"{state:<16} {check.name}/{variant}  {fault.name}: {fault.breaks}", flush=True)
             if verdict.message:
                 print(f"    {verdict.message}")
@@ -54,10 +56,12 @@ def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = 
     return 1 if undetected else 0
 
 
-def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int, time_limit: float) -> Verdict:
+def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int, time_limit: float) -> tuple[Verdict, str]:
+    """The verdict with the fault, and the outcome without it if that verdict is red."""
+    case = runner.Case(check.name, variant, "refimpl", check.timing)
     with tempfile.TemporaryDirectory(prefix="crosscheck-fault-") as directory:
         overlay = Path(directory)
         fault.apply(overlay)
-        case = runner.Case(check.name, variant, "refimpl", check.timing)
         verdict = runner.judge(case, seed, overlay, time_limit)
-    return replace(verdict, cost={})
+    without = runner.judge(case, seed, None, time_limit).outcome if verdict.outcome == "fail" else ""
+    return replace(verdict, cost={}), without

@@ -21,7 +21,7 @@ from crosscheck.directory import locked
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.faults import Fault
 from crosscheck.record import case_name, read
-from crosscheck.verdict import Verdict, findings, statistical
+from crosscheck.verdict import Verdict, bounded, findings, statistical
 
 CASE = "stepping/oscillator-exact/velocity_verlet"
 CRASHING = """
@@ -550,10 +550,10 @@ def test_an_interrupted_run_keeps_what_was_finished_and_is_red_in_junit(
 # -- prove --------------------------------------------------------------------------------------------------
 
 
-def only(monkeypatch: pytest.MonkeyPatch, *faults: tuple[str, Fault]) -> None:
-    """Leaves one check, with other faults."""
+def only(monkeypatch: pytest.MonkeyPatch, *faults: tuple[str, Fault], **entries: Any) -> None:
+    """Leaves one check, with other faults, and with other entries."""
     (check,) = (check for check in all_checks() if check.name == "stepping/oscillator-exact")
-    checks = (replace(check, faults=faults),)
+    checks = (replace(check, faults=faults, **entries),)
     monkeypatch.setattr(commands.proving, "all_checks", lambda: checks)
     monkeypatch.setattr(runner, "all_checks", lambda: checks)
 
@@ -584,6 +584,15 @@ def test_a_fault_that_is_not_seen_is_status_1(
     done = crosscheck("prove")
     assert done.status == 1
     assert f"{state} " in done.out
+    assert "0 of 1 planted faults" in done.out
+
+
+def test_a_check_that_is_red_without_its_fault_proves_nothing(crosscheck: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    planted = ("velocity_verlet", fault("v_half = v + 0.5001 * dt * memory[0]"))
+    only(monkeypatch, planted, judge=lambda laboratory, value: bounded("always too much", 2.0, 1.0, "as it is"))
+    done = crosscheck("prove")
+    assert done.status == 1
+    assert "NOT GREEN WITHOUT (fail)" in done.out
     assert "0 of 1 planted faults" in done.out
 
 
