@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from crosscheck.engines.capabilities import Needs, scheme_of
+from crosscheck.engines.capabilities import Needs, refusal, scheme_of
 from crosscheck.engines.protocol import Claims, Cost, Kind, Run
 from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.pool import Pool, Worker
@@ -114,6 +114,13 @@ class Laboratory:
                 raise EngineError(f"{self.engine}: it leaves no state at the end of scene {scene.name} to go on from")
             second = self._taken(self.engine, scene, worker.run(half, how, restart=middle, keep=end))
         return first, second
+
+    def refusal(self, scene: Scene, method: Method) -> str | None:
+        """None, or why the engine under judgement does not declare what a scene and a method need, see `capabilities`.
+
+        scene, method: what would be run.
+        """
+        return refusal(engine_class(self.engine), scene, method)
 
     def _worker(self, name: str, interpreted: bool) -> Worker:
         return self.pool.worker(name, interpreted and "interpretable" in getattr(engine_class(name), "promises", ()))

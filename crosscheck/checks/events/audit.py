@@ -9,7 +9,7 @@ from crosscheck.checks.base import Check, FeatureRows, Laboratory, full, quick
 from crosscheck.checks.events.audit_rows import EVENTS, FACTORS, row_scene, rows, valid
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.checks.events.rows import reported_time
-from crosscheck.engines.capabilities import measured, refusal
+from crosscheck.engines.capabilities import measured
 from crosscheck.engines.protocol import Run
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import EndedEarly, Unsupported
@@ -108,7 +108,7 @@ def _collapsed(scene: Scene, run: Run, may_collapse: bool) -> bool:
 def _refused(laboratory: Laboratory, row: Row, number: int) -> str | None:
     """None, or why the suite does not give the scene of a row to the engine."""
     scene, method = _measured(laboratory, row, row_scene(row, number))
-    return refusal(engine_class(laboratory.engine), scene, method)
+    return laboratory.refusal(scene, method)
 
 
 def _of_good_length(laboratory: Laboratory, scene: Scene, method: Method, wanted: float = EVENTS) -> Scene:

@@ -6,8 +6,6 @@ import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, variants_of
 from crosscheck.checks.events.gases import event_driven
-from crosscheck.engines.capabilities import refusal
-from crosscheck.engines.registry import engine_class
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
 from crosscheck.scene import Box, Floats, HardSpheres, Method, Output, Scene, explicit
@@ -46,7 +44,7 @@ def _judge(laboratory: Laboratory, _: str) -> Judged:
     for name, claims in laboratory.claims.items():
         method, impacts = Method(scheme=name), _MANY if name in _EXACT_CLOCKS else _SOME
         scene = _scene(impacts)
-        if claims.kind != EVENT_DRIVEN or refusal(engine_class(laboratory.engine), scene, method) is not None:
+        if claims.kind != EVENT_DRIVEN or laboratory.refusal(scene, method) is not None:
             continue
         run = laboratory.run(scene, method)
         expected = 0.5 + gap - np.abs(np.mod(_unfolded(run["time"]), 2 * gap) - gap)

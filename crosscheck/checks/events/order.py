@@ -9,9 +9,7 @@ import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, variants_of
 from crosscheck.checks.events.gases import event_driven
-from crosscheck.engines.capabilities import refusal
 from crosscheck.engines.protocol import Run
-from crosscheck.engines.registry import engine_class
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
 from crosscheck.scene import Box, HardSpheres, Method, Output, Scene, explicit
@@ -114,7 +112,7 @@ def _judge(laboratory: Laboratory, scene: Scene) -> Judged:
     judged: list[Judgement] = []
     for name, claims in laboratory.claims.items():
         method = Method(scheme=name)
-        if claims.kind != EVENT_DRIVEN or refusal(engine_class(laboratory.engine), scene, method) is not None:
+        if claims.kind != EVENT_DRIVEN or laboratory.refusal(scene, method) is not None:
             continue
         run = laboratory.run(scene, method)
         count, first = _counted(run, scene.number)

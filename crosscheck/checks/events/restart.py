@@ -7,8 +7,6 @@ from crosscheck.checks.events.audit_crowd import CROWDED, crowd
 from crosscheck.checks.events.audit_rows import row_scene, rows
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.checks.halves import CRITERION, EQUATION, halves, restarting
-from crosscheck.engines.capabilities import refusal
-from crosscheck.engines.registry import engine_class
 from crosscheck.faults import Fault
 from crosscheck.scene import Method, Observable, Output
 from crosscheck.verdict import Judged, Judgement, worst
@@ -35,7 +33,7 @@ def _judge(laboratory: Laboratory, _: str) -> Judged:
         for observables, shape in (((*_SUMS, "operation_counts"), cells), (_SUMS, cells), (_SUMS, None), ((), None)):
             output = Output(interval=duration / 4, trajectory=True, observables=observables, fields=shape)
             scene = scene.changed(duration=duration, output=output)
-            if refusal(engine_class(laboratory.engine), scene, method) is None:
+            if laboratory.refusal(scene, method) is None:
                 judged += halves(laboratory, scene, method, f"row {number}")
                 break
     return worst(judged, f"{len(numbers)} scenes")

@@ -7,8 +7,6 @@ from crosscheck.checks.granular.audit import rows
 from crosscheck.checks.granular.audited_scenes import audited_method, audited_scene
 from crosscheck.checks.granular.soft_grains import soft_needs
 from crosscheck.checks.halves import CRITERION, EQUATION, halves, restarting
-from crosscheck.engines.capabilities import refusal
-from crosscheck.engines.registry import engine_class
 from crosscheck.faults import Fault
 from crosscheck.verdict import Judged, Judgement, worst
 
@@ -21,7 +19,7 @@ def _judge(laboratory: Laboratory, _: str) -> Judged:
     for number, row in enumerate(rows()[0]):
         method = audited_method(row)
         scene = audited_scene(row, laboratory.seed(f"row {number}"), True)
-        if number % EVERY or refusal(engine_class(laboratory.engine), scene, method) is not None:
+        if number % EVERY or laboratory.refusal(scene, method) is not None:
             continue
         output = scene.output.model_copy(update={"interval": BETWEEN * method.step})
         scene = scene.changed(duration=STEPS * method.step, output=output)

@@ -98,7 +98,7 @@ def run_or_refuse(laboratory: Laboratory, ledger: Ledger, scene: Scene, method: 
 
     laboratory: runs it. method: with which scheme and step.
     """
-    reason = refusal(engine_class(laboratory.engine), scene, method)
+    reason = laboratory.refusal(scene, method)
     if reason is None:
         try:
             run = laboratory.run(scene, method)

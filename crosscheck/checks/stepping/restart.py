@@ -6,7 +6,7 @@ from crosscheck.checks.base import Check, Laboratory, variants_of
 from crosscheck.checks.halves import CRITERION, EQUATION, halves, restarting
 from crosscheck.checks.stepping import gravity_features, lennard_jones_features
 from crosscheck.checks.stepping.audit import Features
-from crosscheck.engines.capabilities import Needs, refusal
+from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.registry import engine_class
 from crosscheck.faults import Fault
 from crosscheck.scene import Method, Output, Scene
@@ -32,7 +32,7 @@ def _of_schemes(laboratory: Laboratory, _: str) -> Judged:
     judged: list[Judgement] = []
     for name, claims in laboratory.claims.items():
         method = Method(scheme=name, dt=features.dt)
-        if claims.kind == "stepping" and refusal(engine_class(laboratory.engine), scene, method) is None:
+        if claims.kind == "stepping" and laboratory.refusal(scene, method) is None:
             judged += halves(laboratory, scene, method, name)
     return worst(judged)
 

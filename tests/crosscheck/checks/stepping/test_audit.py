@@ -10,6 +10,7 @@ import pytest
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Laboratory
 from crosscheck.checks.stepping import audit, gravity_features, lennard_jones_features, spring_features
+from crosscheck.engines.capabilities import refusal
 from crosscheck.engines.protocol import Run
 from crosscheck.errors import Unsupported
 from crosscheck.pairs import pairs_of
@@ -49,6 +50,9 @@ class Direct:
 
     def run(self, scene: Scene, method: Method) -> Run:
         return cast(Run, self._class().run(scene, method))
+
+    def refusal(self, scene: Scene, method: Method) -> str | None:
+        return refusal(self._class, scene, method)
 
 
 def judged(engine: type[Any], name: str, monkeypatch: pytest.MonkeyPatch) -> list[Findings]:
