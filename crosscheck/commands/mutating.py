@@ -22,7 +22,7 @@ from crosscheck.files import naming, refuse_no_directory
 from crosscheck.mutation import score, trial
 from crosscheck.mutation.coverage import Executed, executed_lines
 from crosscheck.mutation.draw import Mutant, Population, draw, population
-from crosscheck.mutation.equivalents import equivalents
+from crosscheck.mutation.equivalents import Equivalent, equivalents
 from crosscheck.mutation.trial import Outcome, try_mutant
 
 #: The files of the mutants judged so far, and of the score.
@@ -50,9 +50,10 @@ def mutate(sample: Sample, jobs: int | None, out: Path, resume: Path | None) -> 
     """Draws mutants, judges each by the cases that execute it, and prints and writes the score; returns exit status 0.
 
     sample: which mutants. jobs: mutants at a time; None: one per core. out: directory of the files. resume: directory
-    of an interrupted sample to be completed, in place of out; None: a new one. After Ctrl-C the score of the mutants
-    judged so far is printed, and they are kept. UsageError for an unknown population, tier or file, or if the sample to
-    be completed is another one.
+    of a sample to be completed, in place of out; None: a new one. A sample of the quick tier may be completed by the
+    full one: its survivors, but for those that are listed as equivalent, are judged again. After Ctrl-C the score of
+    the mutants judged so far is printed, and they are kept. UsageError for an unknown population, tier or file, or if
+    the sample to be completed is another one.
     """
     if sample.tier not in ("quick", "full"):
         raise UsageError(f"--tier {sample.tier}: unknown; take quick or full")
@@ -68,9 +69,8 @@ def mutate(sample: Sample, jobs: int | None, out: Path, resume: Path | None) -> 
         "sources": _sources(among),
     }
     with locked(directory):
-        before = _read(directory / MUTANTS, header) if resume else {}
-        _begin(directory / MUTANTS, header, before)
-        outcomes = dict(before)
+        outcomes = _known(directory / MUTANTS, header, mutants, entries) if resume else {}
+        _begin(directory / MUTANTS, header, mutants, outcomes)
         interruption: Interrupted | None = None
         try:
             jobs = that_pay(jobs, len(mutants))
@@ -153,21 +153,40 @@ def _sources(among: Population) -> str:
     return digest.hexdigest()[:16]
 
 
-def _begin(path: Path, header: dict[str, Any], before: dict[int, Outcome]) -> None:
-    """Starts the file of mutants, or takes away a last line that is torn."""
+def _known(
+    path: Path, header: dict[str, Any], mutants: Sequence[Mutant], entries: Sequence[Equivalent]
+) -> dict[int, Outcome]:
+    """The outcomes in the file, by number. Of the quick tier, where the full one judges, the survivors are left out."""
+    outcomes, tier = _read(path, header)
+    if tier == header["tier"]:
+        return outcomes
+    states = {number: score.judged(mutants[number], outcome, entries).state for number, outcome in outcomes.items()}
+    return {number: outcome for number, outcome in outcomes.items() if states[number] != "survived"}
+
+
+def _begin(path: Path, header: dict[str, Any], mutants: Sequence[Mutant], known: dict[int, Outcome]) -> None:
+    """Starts the file of mutants, with those whose outcome is known."""
+    lines = [json.dumps(header) + "\n", *(_written(number, mutants[number], known[number]) for number in known)]
+    new = path.with_suffix(".new")
     with naming(path):
-        text = path.read_text(encoding="utf-8") if before else json.dumps(header) + "\n"
-        path.write_text(text[: text.rindex("\n") + 1], encoding="utf-8")
+        new.write_text("".join(lines), encoding="utf-8")
+        new.replace(path)
 
 
 def _append(path: Path, number: int, mutant: Mutant, outcome: Outcome) -> None:
-    line = {"number": number, "name": mutant.name, **asdict(outcome)}
     with naming(path), path.open("a", encoding="utf-8") as file:
-        file.write(json.dumps(line) + "\n")
+        file.write(_written(number, mutant, outcome))
 
 
-def _read(path: Path, header: dict[str, Any]) -> dict[int, Outcome]:
-    """The outcomes in the file, by number; UsageError if it is of another sample. A torn last line does not count."""
+def _written(number: int, mutant: Mutant, outcome: Outcome) -> str:
+    return json.dumps({"number": number, "name": mutant.name, **asdict(outcome)}) + "\n"
+
+
+def _read(path: Path, header: dict[str, Any]) -> tuple[dict[int, Outcome], str]:
+    """The outcomes in the file, by number, and the tier that judged; a torn last line does not count.
+
+    UsageError if it is of another sample, or of the full tier where the quick one is asked for.
+    """
     if not path.is_file():
         raise UsageError(f"{path}: there is no sample to be completed")
     lines = path.read_text(encoding="utf-8").split("\n")[:-1]
@@ -176,11 +195,13 @@ def _read(path: Path, header: dict[str, Any]) -> dict[int, Outcome]:
     except ValueError as error:
         raise UsageError(f"{path}: not a file of mutants: {error}") from None
     for name, value in header.items():
-        if first.get(name) != value:
+        more = name == "tier" and (first.get(name), value) == ("quick", "full")
+        if first.get(name) != value and not more:
             raise UsageError(
                 f"{path}: it has {name} {first.get(name)}, not {value}: draw a new sample, or give the same"
             )
-    return {line.pop("number"): Outcome(**{k: v for k, v in line.items() if k != "name"}) for line in rest}
+    outcomes = {line.pop("number"): Outcome(**{k: v for k, v in line.items() if k != "name"}) for line in rest}
+    return outcomes, first["tier"]
 
 
 def _print(found: Sequence[score.Judged], directory: Path) -> None:

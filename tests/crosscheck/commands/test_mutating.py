@@ -83,6 +83,21 @@ def test_an_interrupted_sample_is_completed(
     assert not (tmp_path / "unused").exists()
 
 
+def test_the_full_tier_judges_again_what_survived_the_quick_one(tried: list[str], tmp_path: Path) -> None:
+    mutate(SAMPLE, 1, tmp_path, None)
+    quick, lines = score(tmp_path), (tmp_path / mutating.MUTANTS).read_text().splitlines()[1:]
+    survivors = [line["name"] for line in map(json.loads, lines) if not line["caught"]]
+    assert 0 < len(survivors) < 6
+    tried.clear()
+    mutate(SAMPLE._replace(tier="full"), 1, tmp_path / "unused", tmp_path)
+    assert tried == survivors
+    assert score(tmp_path) == quick | {"tier": "full", "command": str(quick["command"]).replace("quick", "full")}
+    mutate(SAMPLE._replace(tier="full"), 1, tmp_path / "unused", tmp_path)
+    assert tried == survivors
+    with pytest.raises(UsageError, match="it has tier full, not quick"):
+        mutate(SAMPLE, 1, tmp_path / "unused", tmp_path)
+
+
 def test_another_sample_is_not_completed(tried: list[str], tmp_path: Path) -> None:
     mutate(SAMPLE, 1, tmp_path, None)
     with pytest.raises(UsageError, match="it has seed 3, not 4: draw a new sample"):
