@@ -70,6 +70,8 @@ def _motions() -> dict[str, Motion]:
         turn,
         box=Box(lengths=(2.6, 7.9, 5.2), boundaries=("periodic", "periodic", "open")),
     )
+    # layers that part along an open axis, while pairs meet along the others: the grid of cells grows with them
+    parting = slab.changed(name="parting", initial=explicit(block, turn * 0.5 + (block - 1.3) * (0.0, 0.0, 40.0)))
     # one particle crosses the box half-way between two rows of others
     rows = np.array([[0.7 + 1.3 * i, y] for y in (0.8, 3.2) for i in range(12)] + [[0.3, 2.03]])
     speed = np.zeros_like(rows)
@@ -99,6 +101,7 @@ def _motions() -> dict[str, Motion]:
     return {
         "streams": Motion(streams, 0.004, 36, 9),
         "slab": Motion(slab, 0.004, 32, 8),
+        "parting": Motion(parting, 0.004, 32, 8),
         "fast-particle": Motion(fast, 0.004, 36, 12),
         "thread": Motion(thread, 0.004, 6, 3),
         "closing-in": Motion(closing, 0.0095, 10, 5),
@@ -137,7 +140,7 @@ _LISTS = "stepping/kernels/neighbours.py"
 CHECKS = (
     Check(
         name="stepping/lennard-jones-lists",
-        title="Energies at every step while pairs come and go: streams, a fast particle, a closing cloud",
+        title="Energies at every step while pairs come and go: streams, parting layers, a fast particle, a closing cloud",
         equation="U, W, K at r_n, v_n of velocity Verlet, by sums over all pairs and images",
         criterion="each within bounds of rounding: of coordinates, terms and sums, and of velocity Verlet in doubles",
         citation="Verlet, Phys. Rev. 159, 98 (1967); Allen & Tildesley, Computer Simulation of Liquids (1987), 5.3",
