@@ -54,15 +54,17 @@ def as_known(laboratory: Laboratory, cost: Cost, known: Mapping[str, float], of:
     """
     if laboratory.engine != of:
         return []
-    return [
-        bounded(
-            f"{name}: share by which it differs from {expected:g}",
-            abs(counted(cost, name) / expected - 1),
-            _SAME,
-            _WHY_STORED,
-        )
-        for name, expected in known.items()
-    ]
+    return [alike(name, counted(cost, name), expected) for name, expected in known.items()]
+
+
+def alike(name: str, count: float, expected: float) -> Judgement:
+    """The judgement that a count of `refimpl` is within 5 % of that of a run that was looked at.
+
+    name: of what is counted. expected: the known count of the same scene.
+    """
+    return bounded(
+        f"{name}: share by which it differs from {expected:g}", abs(count / expected - 1), _SAME, _WHY_STORED
+    )
 
 
 #: Evaluations at the start and in a step, of schemes of `refimpl` that do not have one each.

@@ -8,10 +8,11 @@ from typing import NamedTuple
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant
 from crosscheck.checks.events.cost import LINEAR_SCAN
 from crosscheck.checks.events.gases import event_driven, spheres
-from crosscheck.checks.operations import CRITERION, EQUATION, as_known, at_most, counted, counting, exactly
-from crosscheck.engines.protocol import Kind
+from crosscheck.checks.operations import CRITERION, EQUATION, alike, as_known, at_most, counted, counting, exactly
+from crosscheck.engines.protocol import Kind, Run
 from crosscheck.faults import Fault
 from crosscheck.scene import Method, Observable, Output, Scene
+from crosscheck.scene.observables import OPERATIONS
 from crosscheck.verdict import Judged, Judgement, bounded, worst
 
 _DISKS = 64
@@ -24,11 +25,13 @@ class _Queue(NamedTuple):
     """How the next event is found.
 
     method: of the run. levels: of comparisons of an update, over log2 N; None: no tree. known: counts of the scene.
+    moves: along lists of events, in the scene.
     """
 
     method: Method | Kind
     levels: float | None
     known: dict[str, float]
+    moves: int = 0
 
 
 def _scene() -> Scene:
@@ -69,6 +72,7 @@ def _judge(laboratory: Laboratory, queue: _Queue) -> Judged:
     if laboratory.engine == "refimpl":
         judged.append(exactly("first events of particles", events - collisions - crossings - stale, _DISKS))
         judged.append(_neighbourhoods(queue, predictions, collisions, stale, crossings))
+        judged.append(_moves(queue, run))
     return worst([*judged, *as_known(laboratory, cost, queue.known)], f"{collisions:.0f} collisions of {_DISKS} disks")
 
 
@@ -84,6 +88,14 @@ def _neighbourhoods(queue: _Queue, predictions: float, collisions: float, stale:
         _CORRELATED,
         "on the average over many places, a cell holds N/cells others; a disk's own place holds fewer",
     )
+
+
+def _moves(queue: _Queue, run: Run) -> Judgement:
+    """Steps along lists of events, and nodes of them that are put away; none without such lists."""
+    moves = float(run["operation_counts"][-1, OPERATIONS.index("list_moves")])
+    if queue.moves == 0:
+        return exactly("steps along lists of events", moves, 0)
+    return alike("list moves", moves, queue.moves)
 
 
 _LISTS = Method(scheme="event_driven_lists")
@@ -117,7 +129,10 @@ CHECKS = (
             _variant(
                 "lists",
                 _Queue(
-                    _LISTS, 1.0, {"predictions": 10382, "comparisons": 6193, "stale_events": 90, "cell_crossings": 150}
+                    _LISTS,
+                    1.0,
+                    {"predictions": 10382, "comparisons": 6193, "stale_events": 90, "cell_crossings": 150},
+                    moves=3986,
                 ),
             ),
             _variant(

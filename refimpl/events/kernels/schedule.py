@@ -212,6 +212,7 @@ def _calendar_first(queue: Any, counts: Any) -> int:
             today = queue.day[0]
             for k in range(1, queue.day.size):
                 today = min(today, queue.day[k])
+            tick(counts, COMPARISONS, queue.day.size)
             empty = 0
 
 
