@@ -320,12 +320,12 @@ def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
 
 @implements(energy_and_virial, Grains)
 def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
-    """Of gravity and of the normal springs; the virial is theirs alone, without dashpots and friction."""
-    energy, virial = elastic_energy(force, r)
+    """Of gravity and of the normal springs. The virial is NaN: `tallies` integrates it."""
+    energy = elastic_energy(force, r)
     d = len(force.sides)
     for k in range(d * len(force.radii)):
         energy -= force.masses[k // d] * force.gravity[k % d] * r[k]
-    return energy, virial
+    return energy, np.nan
 
 
 @implements(status, Grains)

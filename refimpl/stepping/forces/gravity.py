@@ -19,10 +19,6 @@ from refimpl.stepping.forces.generic import (
 )
 from refimpl.stepping.kernels import gravity as kernels
 
-#: Newtonian constant of gravitation, m^3 kg^-1 s^-2, standard uncertainty 0.00015e-11: CODATA 2018,
-#: E. Tiesinga, P. J. Mohr, D. B. Newell and B. N. Taylor, Rev. Mod. Phys. 93, 025010 (2021).
-CODATA_G = 6.67430e-11
-
 #: Up to about this many bodies the plain double loop, which copies nothing, is the faster one.
 FEW_BODIES = 10
 
@@ -46,8 +42,8 @@ def gravity(mass: np.ndarray, dimension: int, G: float = 1.0, softening: float |
     """A `Gravity` force of N bodies.
 
     mass: shape (N,), copied; zero for test particles, which feel forces and exert none. dimension: 2 or 3; in
-    the plane the law is still the inverse square. G: 1 by default; `CODATA_G` in SI units. softening: the
-    length s of a Plummer sphere, S. J. Aarseth, Mon. Not. R. Astron. Soc. 126, 223 (1963); 0 counts as None.
+    the plane the law is still the inverse square. G: in the same units. softening: the length s of a Plummer sphere,
+    S. J. Aarseth, Mon. Not. R. Astron. Soc. 126, 223 (1963); 0 counts as None.
 
     Bodies in the same place without softening have no acceleration: it comes out as not finite, and `status`
     as DIVERGED.

@@ -521,25 +521,23 @@ def _spring_energy(law: Any, model: ContactModel, delta: float, radius: float) -
 
 @compiled(cache=True)
 def elastic_energy(force, r):  # type: ignore[no-untyped-def]
-    """Energy of the normal springs of all contacts, and the pairs' sum of r_ij . F_ij by them; NaN without a list.
+    """Energy of the normal springs of all contacts; NaN without a list.
 
     force: `Grains`. r: coordinates, see `forces.grains`.
     """
     sides, radii, law, model = force.sides, force.radii, force.law, force.model
     walls, cylinder, pairs, reach2 = force.walls, force.cylinder, force.pairs, force.reach2
     d, time = len(sides), r[r.size - force.auxiliary]
-    energy, virial = 0.0, 0.0
+    energy = 0.0
     if not _list_is_valid(force, r):
-        return np.nan, np.nan
+        return np.nan
     for pair in range(force.bookkeeping[PAIRS]):
         i, j = pairs[pair, 0], pairs[pair, 1]
         square = _apart2(sides, r, i, j)
         if square < reach2[pair]:
-            distance = np.sqrt(square)
-            delta = radii[i] + radii[j] - distance
+            delta = radii[i] + radii[j] - np.sqrt(square)
             radius = radii[i] * radii[j] / (radii[i] + radii[j])
             energy += _spring_energy(law, model, delta, radius)
-            virial += distance * law[STIFFNESS] * _scale(model, delta, radius) * delta
     for wall in range(len(walls)):
         axis, sign = int(walls[wall, AXIS]), walls[wall, SIGN]
         place, _ = _motion(walls[wall], time)
@@ -554,4 +552,4 @@ def elastic_energy(force, r):  # type: ignore[no-untyped-def]
             delta = radii[i] - (cylinder[RADIUS] - np.sqrt(x * x + y * y))
             if delta > 0.0:
                 energy += _spring_energy(cylinder[CYLINDER_LAW:], model, delta, radii[i])
-    return energy, virial
+    return energy

@@ -604,8 +604,6 @@ def test_elastic_force_is_minus_the_gradient_of_the_energy(dimension, hertz):
     )
     r, v = coordinates(force, jittered(rng, 8, dimension, 0.85), np.zeros((8, dimension)))
     force, a = evaluated(force, r, v)
-    _, virial = energy_and_virial(force, r)
-    assert a[-force.auxiliary + 2] == pytest.approx(virial, rel=1e3 * EPSILON)
     step = 1e-5
     for k in range(8 * dimension):
         nearby = np.array([r] * 4)

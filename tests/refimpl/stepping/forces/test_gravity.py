@@ -19,10 +19,11 @@ from refimpl.stepping.forces.generic import (
     kinetic_energy,
     status,
 )
-from refimpl.stepping.forces.gravity import CODATA_G, FEW_BODIES, gravity, plain_acceleration
+from refimpl.stepping.forces.gravity import FEW_BODIES, gravity, plain_acceleration
 from refimpl.stepping.kernels import gravity as kernels
 
 EPS = float(np.finfo(np.float64).eps)
+CODATA_G = 6.67430e-11  # m^3 kg^-1 s^-2
 MANY = FEW_BODIES + 30  # enough for vector code with a remainder
 
 
