@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -84,12 +84,17 @@ def to_be_judged(mutant: Mutant, executed: Sequence[Executed], most_compiled: in
 
 
 def _by_turns(cases: list[Executed]) -> list[Executed]:
-    """The first of each check, then the second of each, and so on."""
+    """One of each group of checks, then another one of each; within a group, checks take turns too."""
+    return _dealt(_dealt(cases, lambda one: one.case.check), lambda one: one.case.check.partition("/")[0])
+
+
+def _dealt(cases: list[Executed], key: Callable[[Executed], str]) -> list[Executed]:
+    """The first case of each key, then the second of each, and so on."""
     turns: dict[str, int] = {}
     numbered = []
     for one in cases:
-        turns[one.case.check] = turns.get(one.case.check, 0) + 1
-        numbered.append((turns[one.case.check], one))
+        turns[key(one)] = turns.get(key(one), 0) + 1
+        numbered.append((turns[key(one)], one))
     return [one for _, one in sorted(numbered, key=lambda pair: pair[0])]
 
 
@@ -101,8 +106,9 @@ def _executes(mutant: Mutant, one: Executed) -> bool:
     file, mutation = f"{mutant.package}/{mutant.file}", mutant.mutation
     if mutation.binds is None:
         return one.executes(file, mutation.first, mutation.last)
-    if any(mutation.first <= line <= mutation.last for line in one.lines.get(file, ())):
-        return True  # a default value, of a function that is called
+    default = not mutation.first <= mutation.line <= mutation.last  # a value of a function with these lines
+    if default and one.executes(file, mutation.first, mutation.last):
+        return True
     users = _lines_with(mutant.package, mutation.binds)
     if not users:
         return file in one.lines

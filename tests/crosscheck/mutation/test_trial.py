@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
@@ -77,6 +78,9 @@ def test_the_cheapest_interpreted_cases_come_first_then_some_compiled_ones_of_ea
     ]
     assert len(found) == 2 + 5
     assert left == 3
+    others = [case("d/slowest/0", 99.0, False), case("d/slowest/1", 100.0, False)]
+    found, _ = to_be_judged(mutant(), [*compiled, *others], 4)
+    assert [one.case.name for one in found] == ["c/fast/0", "d/slowest/0", "c/slow/0", "d/slowest/1"]
 
 
 @pytest.mark.parametrize(
@@ -109,6 +113,15 @@ def test_a_constant_of_the_module_is_executed_by_who_uses_its_name() -> None:
     user, other = case("a/b/c", 1.0, lines=(number,)), case("a/b/d", 1.0, lines=(number + 1,))
     assert to_be_judged(mutant(("_S11",)), [user, other], 5)[0] == [user]
     assert to_be_judged(mutant(("no_such_name",)), [user, other], 5)[0] == [user, other]
+
+
+def test_a_default_value_is_executed_by_who_calls_its_function_and_by_imports_that_do() -> None:
+    constant = mutant(("_S11",))
+    default = replace(constant, mutation=replace(constant.mutation, line=2))
+    called, other = case("called/a", 1.0), case("other/a", 1.0, lines=(7,))
+    by_import = replace(case("import/a", 1.0, lines=(7,)), imported={FILE: frozenset({4})})
+    assert [one.case.check for one in to_be_judged(default, [called, other, by_import], 1)[0]] == ["called", "import"]
+    assert to_be_judged(constant, [by_import], 1)[0] == []
 
 
 def test_a_mutant_is_a_copy_that_is_removed() -> None:
