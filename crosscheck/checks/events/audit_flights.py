@@ -1,0 +1,161 @@
+"""Flights in a field that barely reach a wall, or barely miss it: a cylinder, a wall that oscillates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant
+from crosscheck.checks.events.gases import event_driven
+from crosscheck.faults import Fault
+from crosscheck.references.event_audit import KINDS, audit
+from crosscheck.scene import Box, Cylinder, Face, Floats, HardSpheres, Oscillation, Output, Scene, explicit
+from crosscheck.verdict import Judged, bounded, round_off, worst
+
+#: Particles of a scene, and their diameter: so small that they hardly meet.
+_NUMBER, _DIAMETER = 50, 1e-3
+#: A flight barely reaches a wall, or barely misses it, where its nearest point is so far from it at most.
+_BARELY = 0.02
+#: Places at which a flight is looked at to choose it.
+_PLACES = 200
+_RADIUS, _DURATION = 1.0, 2.0
+_FLOOR = Oscillation(amplitude=0.3, frequency=3.0, phase=0.8)
+
+
+class _Walls(NamedTuple):
+    """dimension: of the scene. axis: of the cylinder; "" : in the plane. field: acceleration. floor: in its place."""
+
+    dimension: int
+    axis: str
+    field: tuple[float, ...]
+    floor: bool = False
+
+
+def _across(walls: _Walls) -> list[int]:
+    return [axis for axis in range(walls.dimension) if "xyz"[axis] != walls.axis]
+
+
+def _box(walls: _Walls) -> Box:
+    sides = (2.2, 3.0, 2.6)[: walls.dimension]
+    if walls.floor:
+        faces = {"y-": Face(oscillation=_FLOOR)}
+        return Box(lengths=sides, boundaries=("periodic", "hard", "periodic")[: walls.dimension], faces=faces)  # type: ignore[arg-type]
+    boundaries = ["periodic"] * walls.dimension
+    for axis in _across(walls):
+        boundaries[axis] = "open"
+    return Box(
+        lengths=sides,
+        boundaries=tuple(boundaries),  # type: ignore[arg-type]
+        cylinder=Cylinder(radius=_RADIUS, axis=walls.axis or None),  # type: ignore[arg-type]
+    )
+
+
+def _gaps(walls: _Walls, middle: Floats, x: Floats, v: Floats, times: Floats) -> Floats:
+    """Distances from the wall of flights, (flights, times)."""
+    g = np.array(walls.field)
+    places = x[:, None] + v[:, None] * times[:, None] + g * times[:, None] ** 2 / 2
+    if walls.floor:
+        floor = _FLOOR.amplitude * np.cos(_FLOOR.frequency * times + _FLOOR.phase)
+        return np.asarray(places[..., 1] - _DIAMETER / 2 - floor)
+    across = _across(walls)
+    return np.asarray(_RADIUS - _DIAMETER / 2 - np.linalg.norm((places - middle)[..., across], axis=-1))
+
+
+def _chosen(walls: _Walls, draw: Callable[[int], tuple[Floats, Floats]], middle: Floats) -> tuple[Floats, Floats]:
+    """Starts of flights whose first approach to the wall comes to an end near it."""
+    times = np.linspace(0.0, _DURATION, _PLACES)
+    starts: list[tuple[Floats, Floats]] = []
+    found = 0
+    while found < _NUMBER:
+        x, v = draw(2000)
+        gaps = _gaps(walls, middle, x, v, times)
+        turns = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
+        first = np.argmax(turns, axis=1) + 1
+        nearest = gaps[np.arange(len(gaps)), first]
+        good = turns.any(axis=1) & (gaps[:, 0] > _BARELY) & (np.abs(nearest) < _BARELY)
+        starts.append((x[good], v[good]))
+        found += int(good.sum())
+    x, v = (np.concatenate(parts)[:_NUMBER] for parts in zip(*starts, strict=True))
+    return x, v
+
+
+def _scene(walls: _Walls, seed: int) -> Scene:
+    rng = np.random.default_rng(seed)
+    box, d = _box(walls), walls.dimension
+    assert box.lengths is not None
+    sides = np.array(box.lengths)
+    middle = sides / 2
+
+    def draw(number: int) -> tuple[Floats, Floats]:
+        x = rng.uniform(0.0, sides, (number, d))
+        inside = x[:, 1] < 2.0 if walls.floor else np.linalg.norm((x - middle)[:, _across(walls)], axis=1) < _RADIUS
+        return x[inside], rng.normal(scale=1.6, size=(number, d))[inside]
+
+    x, v = _chosen(walls, draw, middle)
+    return Scene(
+        name="flights",
+        dimension=d,  # type: ignore[arg-type]
+        duration=_DURATION,
+        hard_spheres=HardSpheres(diameter=_DIAMETER),
+        box=box,
+        acceleration=walls.field,
+        initial=explicit(x, v),
+        output=Output(interval=_DURATION / 10, trajectory=True, trace=True),
+    )
+
+
+def _judge(laboratory: Laboratory, walls: _Walls) -> Judged:
+    scene = _scene(walls, laboratory.seed())
+    found = audit(scene, laboratory.run(scene, EVENT_DRIVEN))
+    judgements = [
+        round_off(f"{kind}: largest error, in its rounding", share, 1.0, KINDS.get(kind, "of its terms"),
+                  note=found.where.get(kind, ""))
+        for kind, share in found.shares.items()
+    ]  # fmt: skip
+    few = "about half of the flights should reach the wall: what does not happen is not judged"
+    judgements.append(bounded("events", float(found.events), _NUMBER / 2, few, at_least=True, control=True))
+    return worst(judgements, f"{found.events} events of {_NUMBER} flights")
+
+
+_CYLINDER = ("box.cylinder", "box.boundaries=open")
+_SPACE = ("dimension=3", "box.boundaries=periodic")
+_FLOORS = ("box.faces", "box.faces.oscillation", "box.faces.oscillation.phase", "box.boundaries=hard")
+
+
+def _variant(name: str, walls: _Walls, *words: str) -> Variant:
+    return Variant(name, walls, "quick", event_driven(" ".join(words)))
+
+
+CHECKS = (
+    Check(
+        name="events/audit-flights",
+        title="Flights in a field that barely reach a wall, or barely miss it: every event against the definitions",
+        equation="|r + v t + g t^2/2| = R - s/2; y + v t + g t^2/2 - s/2 = A cos(omega t + phi): the first t",
+        criterion="each number to its rounding",
+        citation="Poschel & Schwager, Computational Granular Dynamics (2005), ch. 3",
+        judge=_judge,
+        variants=(
+            _variant("circle", _Walls(2, "", (0.7, -1.9)), "dimension=2", *_CYLINDER),
+            _variant("cylinder-x", _Walls(3, "x", (0.4, 0.9, -1.7)), "box.cylinder.axis=x", *_CYLINDER, *_SPACE),
+            _variant("floor", _Walls(2, "", (0.2, 1.5), True), "dimension=2", "box.boundaries=periodic", *_FLOORS),
+        ),
+        needs=event_driven(
+            "acceleration", "positions velocities event_times event_partners event_positions event_velocities"
+        ),
+        interpreted=True,
+        faults=(
+            (
+                "circle",
+                Fault(
+                    "turning-point",
+                    "events/prediction.py",
+                    "b0, b1, b2, b3 = a1, 2.0 * a2, 3.0 * a3, 4.0 * a4",
+                    "b0, b1, b2, b3 = a1, 2.0 * a2, 3.0 * a3, a4",
+                    "the times at which a flight is nearest to the cylinder are wrong",
+                ),
+            ),
+        ),
+    ),
+)
