@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant, full, quick
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant, quick
 from crosscheck.checks.events.gases import event_driven, spheres
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Claims, Run
@@ -31,8 +31,11 @@ _WHY = "64 roundings of a coordinate: of positions, and of a clock that runs for
 _SIDE = 10.0
 _PLACES = ((5.0, 5.0, 5.0), (2.0, 3.0, 5.0))
 _VELOCITIES = ((0.0, 0.0, 0.0), (-1.0, 0.13, 0.0))
-#: Along x: of all, in the second case such that they touch across the edge of the box.
-_SHIFTS = (0.0, 4.5)
+#: Along x: of all, such that they touch across the edge of the box.
+_SHIFT = 4.5
+#: Two that part, and meet on the other side of the box; a third one rests aside.
+_APART = ((5.0, 5.0, 8.0), (4.45, 5.0, 5.0), (5.55, 5.1, 5.0))
+_PARTING = ((0.0, 0.0, 0.0), (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0))
 #: Time step of schemes that search for collisions after each.
 _STEP = 1e-3
 _SQUARES_OF_DISTANCES = Fault(
@@ -64,10 +67,12 @@ def _pair(side: float, duration: float, positions: Floats, velocities: Floats, i
 
 
 def _expected(scene: Scene) -> Impact | None:
-    """The closed form of a pair's first contact."""
+    """The closed form of the first contact of the last two spheres."""
     state = scene.initial_state()
     x, v = state.positions, state.velocities
-    return first_impact((x[1] - x[0]).tolist(), (v[1] - v[0]).tolist(), 1.0, scene.periods().tolist(), scene.duration)
+    return first_impact(
+        (x[-1] - x[-2]).tolist(), (v[-1] - v[-2]).tolist(), 1.0, scene.periods().tolist(), scene.duration
+    )
 
 
 def _contact_error(run: Run, before: Floats) -> float:
@@ -180,42 +185,58 @@ def _nearest(positions: Floats, lengths: Floats) -> float:
 
 
 def _schemes(schemes: Mapping[str, Claims]) -> tuple[Variant, ...]:
-    """All searches, and the first event-driven scheme; the others, which may have to be compiled, in the full tier."""
-    searches = [name for name, claims in schemes.items() if claims.kind == "collision_search"]
-    driven = [name for name, claims in schemes.items() if claims.kind == EVENT_DRIVEN]
-    return quick(*searches, *driven[:1]) + full(*driven[1:])
+    """All of these kinds."""
+    return quick(*(name for name, claims in schemes.items() if claims.kind in ("collision_search", EVENT_DRIVEN)))
 
 
 def _judge_any_scheme(laboratory: Laboratory, scheme: str) -> Judged:
-    """The pair of `_judge_second_image`, once with the contact inside the box, once across its edge."""
-    return worst([judged for shift in _SHIFTS for judged in _late_contact(laboratory, scheme, shift)])
+    """The pair of `_judge_second_image`, with the contact inside the box and across its edge; and two that part."""
+    across = np.array(_PLACES) + np.array([_SHIFT, 0.0, 0.0])
+    cases = {
+        "inside the box": (np.array(_PLACES), _VELOCITIES, 0.5),
+        "across the edge": (across, _VELOCITIES, 0.5),
+        # samples may cut a flight short
+        "of two that parted": (np.array(_APART), _PARTING, 20.0),
+    }
+    return worst(
+        [judged for name, start in cases.items() for judged in _late_contact(laboratory, scheme, name, *start)]
+    )
 
 
-def _late_contact(laboratory: Laboratory, scheme: str, shift: float) -> Iterator[Judgement]:
-    """The contact of the pair, moved by `shift` along x, by a scheme of any kind.
+def _late_contact(
+    laboratory: Laboratory,
+    scheme: str,
+    where: str,
+    positions: Floats,
+    before: tuple[tuple[float, ...], ...],
+    interval: float,
+) -> Iterator[Judgement]:
+    """The contact of the last two spheres, by a scheme of any kind.
+
+    where: its name. before: velocities. interval: between samples.
 
     A search after each step finds the pair up to dt late: |u| dt nearer, u the relative velocity, with a normal that is
     turned by less than |u| dt/(sigma - |u| dt). So the velocities are off by less than twice that, times |u|; positions
     by that times the time since, and by 2 |u| dt.
     """
     step = _STEP if laboratory.claims[scheme].takes_dt else 0.0
-    positions, velocities = np.array(_PLACES) + np.array([shift, 0.0, 0.0]), np.array(_VELOCITIES)
+    velocities = np.array(before)
     scene = spheres(
-        2,
+        len(positions),
         1.0,
         1,
         box=Box(lengths=(_SIDE,) * 3),
-        initial=Explicit(positions=tuple(map(tuple, positions.tolist())), velocities=_VELOCITIES),
+        initial=Explicit(positions=tuple(map(tuple, positions.tolist())), velocities=before),
         duration=20.0,
-        output=Output(interval=0.5, observables=("collisions",), trajectory=True),
+        output=Output(interval=interval, observables=("collisions",), trajectory=True),
     )
     impact = _expected(scene)
     assert impact is not None
     run = laboratory.run(scene, Method(scheme=scheme, dt=step or None))
-    t, speed = run["time"], float(np.linalg.norm(velocities[1] - velocities[0]))
+    t, speed = run["time"], float(np.linalg.norm(velocities[-1] - velocities[-2]))
     settled = (t <= impact.time) | (t > impact.time + step)
     counted = run["collisions"] - (t > impact.time)
-    after = np.array(after_impact(impact, *velocities.tolist()))
+    after = np.array([*velocities[:-2].tolist(), *after_impact(impact, *velocities[-2:].tolist())])
     late = np.maximum(t - impact.time, 0.0)
     exact = positions + velocities * np.minimum(t, impact.time)[:, None, None] + after * late[:, None, None]
     away = run["positions"] - exact
@@ -225,7 +246,6 @@ def _late_contact(laboratory: Laboratory, scheme: str, shift: float) -> Iterator
     rounding = _ROUNDINGS * EPSILON * _SIDE * (1 + scene.duration + (scene.duration / step if step else 0.0))
     bound = 2 * speed * step + 2 * turned * speed * late + rounding
     share = np.abs(away).max(axis=(1, 2)) / bound
-    where = "across the edge" if shift else "inside the box"
     yield bounded(
         f"contact {where}: samples with a wrong number of collisions",
         float(np.count_nonzero(counted[settled])),
@@ -266,7 +286,7 @@ CHECKS = (
     ),
     Check(
         name="events/second-image",
-        title="Two spheres in a periodic box: the contact with a second image, by any search for collisions",
+        title="Few spheres in a periodic box: the contact with another image, by any search for collisions",
         equation="|r_i - r_j + k L| = sigma at a collision, for the image k that is met first",
         criterion="collisions counted exactly; positions as precise as a contact that is found up to a time step late",
         citation="B. J. Alder and T. E. Wainwright, J. Chem. Phys. 31, 459 (1959); Rein & Liu, A&A 537, A128 (2012)",
