@@ -13,8 +13,8 @@ from crosscheck.verdict import Judged, worst
 
 #: The compiled evolvers.
 EVOLVERS = ("lattice_lookup", "lattice_planes")
-#: Both lattices, and the model whose table has most outcomes.
-QUICK = ("hpp", "fhp3")
+#: Both lattices; models that draw no random bit for a collision, one and two.
+QUICK = ("hpp", "fhp3", "fhp_saturated_identity")
 _STEPS = 3
 
 
