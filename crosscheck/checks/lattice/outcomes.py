@@ -63,7 +63,7 @@ def _judge(laboratory: Laboratory, case: _Case) -> Judged:
     if case.kind != "free":
         judgements += _of_collisions_with_force(found)
         judgements += _of("particles that the force can turn", *_pushed(found, again), draws_of(abs(FORCE)))
-        if case.kind == "driven":
+        if case.kind == "driven" and case.model != "hpp":  # there a flat wall sends what arrives straight back
             judgements += _of("particles that diffusive walls send either way", *_tossed(found, again), draws_of(0.5))
     else:
         judgements += _of("outcomes of collisions", found.motion, again.motion, outcomes(case.model, "", None))
