@@ -90,11 +90,11 @@ def _virial_fault(percent: float) -> Fault:
 
 #: Published equations of state differ by 0.4 % at eta = 0.65: a deviation of 1 % must be seen there.
 _DISKS = {
-    f"disks-eta{eta:g}": _State(2, eta, 4e6, 0.01 if eta == 0.65 else 0.005)
+    f"disks-eta{eta:g}": _State(2, eta, 8e6, 0.01 if eta == 0.65 else 0.005)
     for eta in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65)
 }
 _SPHERES = {
-    f"spheres-n{n:g}": _State(3, reference.packing_fraction(n, 3), 4e6, 0.005) for n in (0.1, 0.3, 0.5, 0.7, 0.9)
+    f"spheres-n{n:g}": _State(3, reference.packing_fraction(n, 3), 8e6, 0.005) for n in (0.1, 0.3, 0.5, 0.7, 0.9)
 }
 
 CHECKS = (

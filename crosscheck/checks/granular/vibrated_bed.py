@@ -32,7 +32,7 @@ from crosscheck.statistics import Mean, correlated_mean
 from crosscheck.verdict import Judged, worst
 
 #: Contact times, and the samples of a run at each.
-_DURATIONS, _SAMPLES = (0.01, 0.005), (10800, 8100)
+_DURATIONS, _SAMPLES = (0.01, 0.005), (17280, 12960)
 #: Not commensurate with the floor's period 2 pi/8: samples at all phases alike.
 _SAMPLE = 0.37
 _WARM_UP = 100.0
@@ -106,7 +106,7 @@ def _temperatures(beds: Sequence[_Bed]) -> list[list[Mean]]:
 
 
 def _judge_bed(laboratory: Laboratory, _: str) -> Judged:
-    event_run = run_whole(laboratory, _bed(laboratory.seed("event-driven"), 27000), EVENT_DRIVEN, REFERENCE)
+    event_run = run_whole(laboratory, _bed(laboratory.seed("event-driven"), 43200), EVENT_DRIVEN, REFERENCE)
     hard = _measured_bed(event_run)
     runs = [
         _measured_bed(
