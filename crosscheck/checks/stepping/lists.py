@@ -96,7 +96,7 @@ def _motions() -> dict[str, Motion]:
     dense = _grid(rng, (4, 4, 4), 1.15)
     kinds = tuple(i % 2 for i in range(len(dense)))
     drop = closing.changed(
-        name="drop", species=kinds, masses=1.0, initial=explicit(dense + 3.0, rng.normal(size=dense.shape))
+        name="drop", species=kinds, masses=1.0, initial=explicit(dense + 3.0, rng.normal(scale=25.0, size=dense.shape))
     )
     return {
         "streams": Motion(streams, 0.004, 36, 9),
@@ -140,7 +140,7 @@ _LISTS = "stepping/kernels/neighbours.py"
 CHECKS = (
     Check(
         name="stepping/lennard-jones-lists",
-        title="Energies at every step while pairs come and go: streams, parting layers, a fast particle, a closing cloud",
+        title="Energies at every step while pairs come and go: streams, parting layers, a closing cloud",
         equation="U, W, K at r_n, v_n of velocity Verlet, by sums over all pairs and images",
         criterion="each within bounds of rounding: of coordinates, terms and sums, and of velocity Verlet in doubles",
         citation="Verlet, Phys. Rev. 159, 98 (1967); Allen & Tildesley, Computer Simulation of Liquids (1987), 5.3",
