@@ -30,17 +30,24 @@ _TILE, _CLOSE_SKIN = 8, 0.2
 
 
 class _Fluid(NamedTuple):
-    """dimension, density, cutoff of a fluid; temperature: of its start; known: counts of `refimpl`."""
+    """dimension, density, cutoff of a fluid; temperature: of its start; known: counts of `refimpl`.
+
+    open_: the last axis has no period.
+    """
 
     dimension: Literal[2, 3]
     density: float
     cutoff: float
     temperature: float
     known: dict[str, float]
+    open_: bool = False
 
 
 # lists reach 0.8 beyond the cutoff
 _DISKS = _Fluid(2, 0.7, 2.5, 1.5, {"pair_tests": 132544, "list_builds": 2, "list_prunings": 8, "list_tests": 29120})
+_LAYER = _Fluid(
+    2, 0.7, 1.6, 1.5, {"pair_tests": 66736, "list_builds": 2, "list_prunings": 8, "list_tests": 15736}, True
+)
 _SPHERES = _Fluid(3, 0.5, 1.6, 6.0, {"pair_tests": 147848, "list_builds": 5, "list_prunings": 16, "list_tests": 138400})
 
 
@@ -52,7 +59,7 @@ def _scene(fluid: _Fluid, number: int, steps: int) -> Scene:
         dimension=fluid.dimension,
         duration=steps * STEP.step,
         lennard_jones=LennardJones(cutoff=fluid.cutoff),
-        box=Box(density=fluid.density),
+        box=Box(density=fluid.density, boundaries=("periodic", "open") if fluid.open_ else None),
         initial=Lattice(kind="lattice", structure=structure, number=number, temperature=fluid.temperature, seed=3),
     )
 
@@ -112,8 +119,8 @@ def _judge(laboratory: Laboratory, judge: Callable[[Laboratory], Judged]) -> Jud
     return judge(laboratory)
 
 
-def _needs(dimension: int) -> Needs:
-    return Needs("lennard_jones", words=frozenset({f"dimension={dimension}"}))
+def _needs(dimension: int, *words: str) -> Needs:
+    return Needs("lennard_jones", words=frozenset({f"dimension={dimension}", *words}))
 
 
 CHECKS = (
@@ -127,6 +134,7 @@ CHECKS = (
         variants=(
             Variant("schemes", _judge_schemes, needs=_needs(2)),
             Variant("fluid", partial(_judge_fluid, fluid=_DISKS), needs=_needs(2)),
+            Variant("layer", partial(_judge_fluid, fluid=_LAYER), needs=_needs(2, "box.boundaries=open")),
             Variant("fluid-in-space", partial(_judge_fluid, fluid=_SPHERES), needs=_needs(3)),
         ),
         needs=counting(Needs("lennard_jones", words=frozenset({"box.boundaries=periodic"}), schemes=(STEP.scheme,))),
