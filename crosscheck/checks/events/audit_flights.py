@@ -1,4 +1,4 @@
-"""Flights in a field that barely reach a wall, or barely miss it: a cylinder, a wall that oscillates."""
+"""Flights in a field that barely reach a wall, or miss it, or bounce: a cylinder, a wall that oscillates."""
 
 from __future__ import annotations
 
@@ -25,12 +25,16 @@ _FLOOR = Oscillation(amplitude=0.3, frequency=3.0, phase=0.8)
 
 
 class _Walls(NamedTuple):
-    """dimension: of the scene. axis: of the cylinder; "" : in the plane. field: acceleration. floor: in its place."""
+    """dimension: of the scene. axis: of the cylinder; "" : in the plane. field: acceleration. floor: in its place.
+
+    bounce: the field leads to the wall, which any flight reaches.
+    """
 
     dimension: int
     axis: str
     field: tuple[float, ...]
     floor: bool = False
+    bounce: bool = False
 
 
 def _across(walls: _Walls) -> list[int]:
@@ -64,7 +68,7 @@ def _gaps(walls: _Walls, middle: Floats, x: Floats, v: Floats, times: Floats) ->
 
 
 def _chosen(walls: _Walls, draw: Callable[[int], tuple[Floats, Floats]], middle: Floats) -> tuple[Floats, Floats]:
-    """Starts of flights whose first approach to the wall comes to an end near it."""
+    """Starts of flights whose first approach to the wall comes to an end near it, or of any where they bounce."""
     times = np.linspace(0.0, _DURATION, _PLACES)
     starts: list[tuple[Floats, Floats]] = []
     found = 0
@@ -74,7 +78,8 @@ def _chosen(walls: _Walls, draw: Callable[[int], tuple[Floats, Floats]], middle:
         turns = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
         first = np.argmax(turns, axis=1) + 1
         nearest = gaps[np.arange(len(gaps)), first]
-        good = turns.any(axis=1) & (gaps[:, 0] > _BARELY) & (np.abs(nearest) < _BARELY)
+        barely = turns.any(axis=1) & (np.abs(nearest) < _BARELY)
+        good = (gaps[:, 0] > _BARELY) & (barely | walls.bounce)
         starts.append((x[good], v[good]))
         found += int(good.sum())
     x, v = (np.concatenate(parts)[:_NUMBER] for parts in zip(*starts, strict=True))
@@ -131,7 +136,7 @@ def _variant(name: str, walls: _Walls, *words: str) -> Variant:
 CHECKS = (
     Check(
         name="events/audit-flights",
-        title="Flights in a field that barely reach a wall, or barely miss it: every event against the definitions",
+        title="Flights in a field that barely reach a wall, or miss it, or bounce: every event against the definitions",
         equation="|r + v t + g t^2/2| = R - s/2; y + v t + g t^2/2 - s/2 = A cos(omega t + phi): the first t",
         criterion="each number to its rounding",
         citation="Poschel & Schwager, Computational Granular Dynamics (2005), ch. 3",
@@ -140,6 +145,9 @@ CHECKS = (
             _variant("circle", _Walls(2, "", (0.7, -1.9)), "dimension=2", *_CYLINDER),
             _variant("cylinder-x", _Walls(3, "x", (0.4, 0.9, -1.7)), "box.cylinder.axis=x", *_CYLINDER, *_SPACE),
             _variant("floor", _Walls(2, "", (0.2, 1.5), True), "dimension=2", "box.boundaries=periodic", *_FLOORS),
+            _variant(
+                "bounces", _Walls(2, "", (0.2, -9.0), True, True), "dimension=2", "box.boundaries=periodic", *_FLOORS
+            ),
         ),
         needs=event_driven(
             "acceleration", "positions velocities event_times event_partners event_positions event_velocities"

@@ -31,8 +31,7 @@ def closest(radii: Any, fixed: Any, x: Any, cell_of: Any, cells: Any, counts: An
 def find_bonds(
     radii: Any, factor: float, bonds: Any, x: Any, cell_of: Any, cells: Any, counts: Any, wraps: Any, lengths: Any
 ) -> bool:
-    """Fills (N, 1 + slots) `bonds` with the partners nearer than `factor` contact distances; False: no room."""
-    bonds[:, 0] = 0
+    """Fills `bonds`, zeros (N, 1 + slots), with the partners within `factor` contact distances; False: no room."""
     for i in range(x.shape[0]):
         for turn in range(27):
             cell, sx, sy, sz = _neighbour(cell_of, counts, wraps, i, turn)
