@@ -72,6 +72,12 @@ def _motions() -> dict[str, Motion]:
     )
     # layers that part along an open axis, while pairs meet along the others: the grid of cells grows with them
     parting = slab.changed(name="parting", initial=explicit(block, turn * 0.5 + (block - 1.3) * (0.0, 0.0, 40.0)))
+    # so fast along x that their grid needs more room than was laid out for it
+    flight = parting.changed(
+        name="flight",
+        box=Box(lengths=(5.2, 7.9, 2.6), boundaries=("open", "periodic", "periodic")),
+        initial=explicit(block[:, ::-1], (turn * 0.5 + (block - 1.3) * (0.0, 0.0, 8000.0))[:, ::-1]),
+    )
     # one particle crosses the box half-way between two rows of others
     rows = np.array([[0.7 + 1.3 * i, y] for y in (0.8, 3.2) for i in range(12)] + [[0.3, 2.03]])
     speed = np.zeros_like(rows)
@@ -102,6 +108,7 @@ def _motions() -> dict[str, Motion]:
         "streams": Motion(streams, 0.004, 36, 9),
         "slab": Motion(slab, 0.004, 32, 8),
         "parting": Motion(parting, 0.004, 32, 8),
+        "flight": Motion(flight, 0.004, 16, 8),
         "fast-particle": Motion(fast, 0.004, 36, 12),
         "thread": Motion(thread, 0.004, 6, 3),
         "closing-in": Motion(closing, 0.0095, 10, 5),
