@@ -24,8 +24,8 @@ FACTORS: dict[str, tuple[str, ...]] = {
     "masses": ("1", "equal", "unlike", "unlike, two of them 0"),
     "G": ("1", "0.37"),
     "softening": ("none", "0.8"),
-    # as many as codes of few bodies have, and more
-    "bodies": ("5", "2", "13"),
+    # as many as codes of few bodies have, and more than a few cache lines hold
+    "bodies": ("5", "2", "80"),
     "place": ("about the origin", "elsewhere"),
 }
 #: Number of variants.
