@@ -21,7 +21,8 @@ _BARELY = 0.02
 #: Places at which a flight is looked at to choose it.
 _PLACES = 200
 _RADIUS, _DURATION = 1.0, 2.0
-_FLOOR = Oscillation(amplitude=0.3, frequency=3.0, phase=0.8)
+#: Below its middle at the start: particles may begin there too.
+_FLOOR = Oscillation(amplitude=0.3, frequency=3.0, phase=2.5)
 
 
 class _Walls(NamedTuple):
@@ -94,7 +95,7 @@ def _scene(walls: _Walls, seed: int) -> Scene:
     middle = sides / 2
 
     def draw(number: int) -> tuple[Floats, Floats]:
-        x = rng.uniform(0.0, sides, (number, d))
+        x = rng.uniform((0.0, -_FLOOR.amplitude if walls.floor else 0.0, 0.0)[:d], sides, (number, d))
         inside = x[:, 1] < 2.0 if walls.floor else np.linalg.norm((x - middle)[:, _across(walls)], axis=1) < _RADIUS
         return x[inside], rng.normal(scale=1.6, size=(number, d))[inside]
 
