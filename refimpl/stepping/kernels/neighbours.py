@@ -186,9 +186,10 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
 
 
 def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
-    """The same lists, not valid as before, with room for what the last `update` lacked, and a quarter more."""
+    """The same lists, not valid yet, with room for what the last `update` lacked, and a quarter more."""
     dimension = len(neighbours.sides)
     bookkeeping = neighbours.bookkeeping.copy()
+    bookkeeping[VALID] = 0
     blocks = max(len(neighbours.blocks) // 2, int(1.25 * bookkeeping[BLOCKS]) + 8)
     slots = max(len(neighbours.packed) // _record(dimension), int(1.25 * bookkeeping[SLOTS]) + 8)
     entries = len(neighbours.entries)
