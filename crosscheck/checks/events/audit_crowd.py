@@ -9,9 +9,9 @@ import numpy as np
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, quick
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.faults import Fault
-from crosscheck.references.event_audit import KINDS, audit
+from crosscheck.references.event_audit import KINDS, Audit, audit
 from crosscheck.scene import Box, HardSpheres, Output, Scene, Well, explicit
-from crosscheck.verdict import Judged, bounded, round_off, worst
+from crosscheck.verdict import Judged, Judgement, bounded, round_off, worst
 
 #: Small disks; how many of them are in the well of the large one at once, at least; number of the large one.
 SMALL, GATHERED, LARGE = 24, 20, 9
@@ -63,15 +63,20 @@ def crowd(seed: int, radius: float = _RING) -> Scene:
     )
 
 
-def _judge(laboratory: Laboratory, start: _Start) -> Judged:
-    scene = crowd(*start)
-    run = laboratory.run(scene, EVENT_DRIVEN)
-    found = audit(scene, run)
-    judgements = [
+def in_rounding(found: Audit) -> list[Judgement]:
+    """A judgement of each kind of deviation, in its rounding; found: by an audit."""
+    return [
         round_off(f"{kind}: largest error, in its rounding", share, 1.0, KINDS.get(kind, "of its terms"),
                   note=found.where.get(kind, ""))
         for kind, share in found.shares.items()
     ]  # fmt: skip
+
+
+def _judge(laboratory: Laboratory, start: _Start) -> Judged:
+    scene = crowd(*start)
+    run = laboratory.run(scene, EVENT_DRIVEN)
+    found = audit(scene, run)
+    judgements = in_rounding(found)
     bonds = -float(run["potential_energy"].min()) / _DEPTH
     why = "so many partners that tables which were laid out for an ordinary liquid are too small"
     judgements.append(bounded("pairs in their wells at once", bonds, GATHERED, why, at_least=True, control=True))

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant
+from crosscheck.checks.events.audit_crowd import in_rounding
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.faults import Fault
-from crosscheck.references.event_audit import KINDS, audit
+from crosscheck.references.event_audit import audit
 from crosscheck.scene import Box, Cylinder, Face, Floats, HardSpheres, Oscillation, Output, Scene, explicit
-from crosscheck.verdict import Judged, bounded, round_off, worst
+from crosscheck.verdict import Judged, bounded, worst
 
 #: Particles of a scene, and their diameter: so small that they hardly meet.
 _NUMBER, _DIAMETER = 50, 1e-3
@@ -115,11 +116,7 @@ def _scene(walls: _Walls, seed: int) -> Scene:
 def _judge(laboratory: Laboratory, walls: _Walls) -> Judged:
     scene = _scene(walls, laboratory.seed())
     found = audit(scene, laboratory.run(scene, EVENT_DRIVEN))
-    judgements = [
-        round_off(f"{kind}: largest error, in its rounding", share, 1.0, KINDS.get(kind, "of its terms"),
-                  note=found.where.get(kind, ""))
-        for kind, share in found.shares.items()
-    ]  # fmt: skip
+    judgements = in_rounding(found)
     few = "about half of the flights should reach the wall: what does not happen is not judged"
     judgements.append(bounded("events", float(found.events), _NUMBER / 2, few, at_least=True, control=True))
     return worst(judgements, f"{found.events} events of {_NUMBER} flights")
