@@ -6,8 +6,10 @@ import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant
 from crosscheck.checks.events.cooling import RESTITUTION_SQUARED
+from crosscheck.checks.events.gases import event_driven
 from crosscheck.checks.events.rows import ROWS, Row, reported_partners, reported_time, row_scene
 from crosscheck.engines.capabilities import Needs
+from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
 from crosscheck.references.collapse import line_collisions
 from crosscheck.verdict import Judged, bounded, within, worst
@@ -15,11 +17,11 @@ from crosscheck.verdict import Judged, bounded, within, worst
 
 def _judge_collapse(laboratory: Laboratory, row: Row) -> Judged:
     """The exact time of the collapse just below the limit, the exact number of collisions just above it."""
-    gaps, velocities, wall, limit, below, above = row
+    gaps, velocities, wall, limit, below, above, fixed = row
     exact = line_collisions(gaps, velocities, below, wall)
     run = laboratory.run(row_scene(row, below, 2 * float(exact.times[-1])), EVENT_DRIVEN, may_end_early=True)
     time, stopped = reported_time(run), run.stopped
-    rounding = 4 * EPSILON * float(np.sum(gaps) + velocities.size)
+    rounding = 4 * EPSILON * float(np.sum(gaps) + velocities.size + fixed)
     left = exact.times[-1] - exact.times
     tolerance = float(np.sum(left * np.minimum(1.0, rounding / np.maximum(exact.gaps, 1e-300))))
     found = within(
@@ -29,7 +31,7 @@ def _judge_collapse(laboratory: Laboratory, row: Row) -> Judged:
     )  # fmt: skip
     # the last ones of so many collisions that a clock cannot tell their times apart: any neighbours may be named
     named = reported_partners(run)
-    neighbours = [{i, i + 1} for i in range(velocities.size - 1)] + ([{0}] if wall else [])
+    neighbours = [{i, i + 1} for i in range(velocities.size - 1 + fixed)] + ([{0}] if wall and not fixed else [])
     who = bounded("particles named that do not touch", float(named not in neighbours), 0.0, "who collapses touches",
                   note=stopped)  # fmt: skip
     sound = line_collisions(gaps, velocities, above, wall)
@@ -43,17 +45,21 @@ def _judge_collapse(laboratory: Laboratory, row: Row) -> Judged:
 
 
 #: Variants of the quick tier.
-_QUICK = ("three", "wall-2")
+_QUICK = ("three", "wall-2", "fixed-2")
+_FIXED = event_driven("hard_spheres.fixed")
 
 CHECKS = (
     Check(
         name="events/inelastic-collapse",
-        title="Inelastic collapse on a line: three particles, and N thrown at a wall",
+        title="Inelastic collapse on a line: three particles, and N thrown at a wall or at a fixed particle",
         equation="alpha < 7 - 4 sqrt 3; alpha < tan^2(pi/4 (1 - 1/N))",
         criterion="found below the limit, with its time and particles; none above, and the exact number of collisions",
         citation="McNamara & Young, Phys. Fluids A 4, 496 (1992); Bernu & Mazighi, J. Phys. A 23, 5745 (1990)",
         judge=_judge_collapse,
-        variants=tuple(Variant(name, row, "quick" if name in _QUICK else "full") for name, row in ROWS.items()),
+        variants=tuple(
+            Variant(name, row, "quick" if name in _QUICK else "full", _FIXED if row.fixed else None)
+            for name, row in ROWS.items()
+        ),
         interpreted=True,
         needs=Needs(
             "hard_spheres",
@@ -63,6 +69,18 @@ CHECKS = (
             ),
             observables=frozenset({"collisions", "wall_collisions", "kinetic_energy"}),
         ),
-        faults=(("wall-5", RESTITUTION_SQUARED),),
+        faults=(
+            ("wall-5", RESTITUTION_SQUARED),
+            (
+                "fixed-2",
+                Fault(
+                    "collapse-on-fixed-unseen",
+                    "events/kernels/loop.py",
+                    "at_once = age_i < instant and (fixed or age_j < instant)",
+                    "at_once = age_i < instant and age_j < instant",
+                    "collisions with a fixed particle are never at one time: their collapse does not end the run",
+                ),
+            ),
+        ),
     ),
 )

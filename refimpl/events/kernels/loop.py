@@ -618,16 +618,15 @@ def _collide(
     if changed and tied:
         _note_simultaneous(simultaneous, now)
     ints[i, COUNT] += 1
-    if fixed:
-        _note_event(ints, i, _code(j), False)
-        return status
-    ints[j, COUNT] += 1
-    at_once = max(age_i, age_j) < instant
+    at_once = age_i < instant and (fixed or age_j < instant)
     _note_event(ints, i, _code(j), at_once)
-    _note_event(ints, j, _code(i), at_once)
+    streak = _streak(ints, i)
+    if not fixed:
+        ints[j, COUNT] += 1
+        _note_event(ints, j, _code(i), at_once)
+        streak = min(streak, _streak(ints, j))
     if not at_once:
         return status
-    streak = min(_streak(ints, i), _streak(ints, j))
     if streak > COLLAPSE or (streak > 2 and gn * gn < VANISHED * speed2):
         return COLLAPSED
     return status
