@@ -22,7 +22,9 @@ from crosscheck.verdict import Judged
 #: Steps of a run, from one sample to the next, and time step: long enough for an engine to bring coordinates back into
 #: the box now and then.
 STEPS, EVERY, DT = 1040, 208, 0.004
-_SIDES = (4.3, 5.1)
+#: Length and speed of all numbers: sides of the box are shorter than 1.
+_UNIT = 0.15
+_SIDES = (4.3 * _UNIT, 5.1 * _UNIT)
 #: Box sides that the particles are away at the start.
 _AWAY = 4095
 #: Schemes of the quick tier: their memory holds positions.
@@ -31,14 +33,14 @@ _QUICK = ("verlet", "gear5")
 
 def _stream() -> Scene:
     """Two particles that circle about each other, and stream through the box in a run."""
-    middle = np.array([4.2, 0.3]) + np.array([_AWAY, -_AWAY]) * _SIDES
-    x = middle + np.array([[-0.55, 0.1], [0.6, -0.12]])
-    v = np.array([[0.9, -0.3], [0.85, -0.55]])
+    middle = _UNIT * np.array([4.2, 0.3]) + np.array([_AWAY, -_AWAY]) * _SIDES
+    x = middle + _UNIT * np.array([[-0.55, 0.1], [0.6, -0.12]])
+    v = _UNIT * np.array([[0.9, -0.3], [0.85, -0.55]])
     return Scene(
         name="stream",
         dimension=2,
         duration=STEPS * DT,
-        lennard_jones=LennardJones(cutoff=1.9, truncation="force_shifted"),
+        lennard_jones=LennardJones(epsilon=_UNIT**2, length=_UNIT, cutoff=1.9 * _UNIT, truncation="force_shifted"),
         box=Box(lengths=_SIDES),
         initial=explicit(x, v),
     )
