@@ -24,33 +24,41 @@ from crosscheck.verdict import Judged, bounded, round_off, worst
 PILOT, CROSSINGS = 12, 5
 #: Events of a row of the full tier, at most.
 MANY_EVENTS = 1500.0
-#: Cases that the rows are divided into.
-CHUNKS = 6
+#: Cases that the rows of the quick tier are divided into; tables of other rows, whole, of the full tier.
+CHUNKS, TABLES = 6, range(2, 10)
+#: Numbers of scenes, of which each table has its own.
+_STARTS = 1001
 _OF_SUMS = "rounding of terms times their number: 1e-12 of the sum of their sizes"
 
 
 class _Chunk(NamedTuple):
-    """Every so many rows of the table (`step`), from `first` on, each with about so many `events`."""
+    """Every so many rows of a table (`step`), from `first` on, each with about so many `events`."""
 
     first: int
     step: int = CHUNKS
     events: float = EVENTS
+    table: int = 1
+
+
+#: Those of the quick tier, whose rows are known not to collapse.
+_QUICK = {f"rows-{first}": _Chunk(first) for first in range(CHUNKS)}
 
 
 def _judge(laboratory: Laboratory, chunk: _Chunk) -> Judged:
     """The largest deviation of each kind in all rows of a chunk."""
-    table, _ = rows()
+    table, _ = rows(chunk.table)
     total, judged = Audit(), 0
     seen: list[Row] = []
-    for number in range(chunk.first, len(table), chunk.step):
-        row = _able(laboratory, table[number], number)
+    for place in range(chunk.first, len(table), chunk.step):
+        number = _STARTS * (chunk.table - 1) + place
+        row = _able(laboratory, table[place], number)
         if row in seen or (chunk.events > EVENTS and not _keeps_moving(row)):
             continue
         seen.append(row)
         scene, method = _measured(laboratory, row, row_scene(row, number))
         scene = _of_good_length(laboratory, scene, method, chunk.events)
         run = laboratory.run(scene, method, may_end_early=True)
-        found = audit(scene, run, collapsed=_collapsed(scene, run, may_collapse=chunk.events > EVENTS))
+        found = audit(scene, run, collapsed=_collapsed(scene, run, may_collapse=chunk not in _QUICK.values()))
         judged += 1
         total.events += found.events
         for kind, share in found.shares.items():
@@ -211,8 +219,9 @@ CHECKS = (
         citation="Alder & Wainwright, J. Chem. Phys. 31, 459 (1959); Walton, in: Particulate Two-Phase Flow (1993)",
         judge=_judge,
         variants=(
-            *quick(**{f"rows-{first}": _Chunk(first) for first in range(CHUNKS)}),
+            *quick(**_QUICK),
             *full(**{"long-rows": _Chunk(0, 1, MANY_EVENTS)}),
+            *full(**{f"other-rows-{table}": _Chunk(0, 1, table=table) for table in TABLES}),
         ),
         needs=event_driven(
             observables="positions velocities event_times event_partners event_positions event_velocities"

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, quick
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full, quick
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.faults import Fault
 from crosscheck.references.event_audit import KINDS, Audit, audit
@@ -92,7 +92,10 @@ CHECKS = (
         citation="Alder & Wainwright, J. Chem. Phys. 31, 459 (1959)",
         judge=_judge,
         # the event for which there is no room: in `refimpl`, the large disk is its first or its second partner
-        variants=quick(first=_Start(3), second=_Start(10), gathered=_Start(3, _WITHIN)),
+        variants=(
+            *quick(first=_Start(3), second=_Start(10), gathered=_Start(3, _WITHIN)),
+            *full(**{f"other-{seed}": _Start(seed, _RING if seed % 2 else _WITHIN) for seed in range(20, 28)}),
+        ),
         needs=event_driven(
             CROWDED,
             "positions velocities kinetic_energy potential_energy "

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.checks.events.units import in_units
 from crosscheck.pairs import Pair, Row, Rule, covering
 from crosscheck.scene import (
     AXES,
@@ -92,6 +93,8 @@ SIDES = {
 #: Events that a row is meant to have, and its longest duration. With the high shoulder, whose depth an engine may take
 #: for a measure of speeds, it is at least so long that a clock which is renewed after some crossings of the box is.
 EVENTS, LONGEST, RENEWED = 180.0, 16.0, 10.0
+#: Units of length and time of every other row.
+UNITS = (0.37, 1.9)
 
 
 def _axes(row: Row) -> str:
@@ -129,13 +132,21 @@ def valid(row: Row) -> bool:
 
 
 @cache
-def rows() -> tuple[list[Row], set[Pair]]:
-    """Rows of `FACTORS` in which every pair of compatible levels occurs, and the pairs that do not go together."""
-    return covering(FACTORS, RULES, seed=1)
+def rows(table: int = 1) -> tuple[list[Row], set[Pair]]:
+    """Rows of `FACTORS` in which every pair of compatible levels occurs, and the pairs that do not go together.
+
+    table: another one has other rows.
+    """
+    return covering(FACTORS, RULES, seed=table)
 
 
 def row_scene(row: Row, number: int) -> Scene:
-    """The scene of a row. number: of the row, which seeds its start."""
+    """The scene of a row, in other units where its number is odd. number: seeds its start."""
+    scene = _scene(row, number)
+    return in_units(scene, *UNITS) if number % 2 else scene
+
+
+def _scene(row: Row, number: int) -> Scene:
     rng = np.random.default_rng(number)
     d = int(row["dimension"])
     well = WELLS.get(row["well"])

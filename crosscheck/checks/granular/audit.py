@@ -38,8 +38,8 @@ FACTORS: dict[str, tuple[str, ...]] = {
     "crowd": ("compact", "long in x", "long in y", "long in z"),
     "tallies": ("none", "all"),
 }
-#: Numbers of quick variants of all rows, and of the same pairs of features in other rows.
-_CHUNKS, _SEEDS = 3, (0, 1)
+#: Number of variants of a table of rows; seeds of the tables, all but the first one of the full tier.
+_CHUNKS, _SEEDS = 3, range(6)
 _WHY = "rounding of coordinates, of the forces that they give, and of the sums over the run"
 
 

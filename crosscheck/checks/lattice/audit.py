@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Check, FeatureRows, Laboratory, Variant
+from crosscheck.checks.base import Check, FeatureRows, Laboratory, full, quick
 from crosscheck.checks.lattice.gases import FHP, LATTICE, gas_scene
 from crosscheck.checks.lattice.recording import Recorded, lattice_methods, recorded
 from crosscheck.engines.capabilities import Needs, refusal
@@ -44,6 +44,8 @@ FACTORS = {
     "reversals": ("no", "yes"),
 }  # fmt: skip
 STEPS, CHUNKS, THREADS = 3, 4, (2, 3, 7)
+#: Tables of other rows, whole, of the full tier.
+TABLES = range(1, 5)
 #: Rows of the square lattice, and of the triangular one.
 _ROWS = {"few": (3, 4), "least": (1, 2), "more": (4, 6)}
 #: Walls that draw no random numbers.
@@ -51,13 +53,14 @@ _PLAIN = tuple(walls for walls in FACTORS["walls"] if not walls.startswith("diff
 
 
 @cache
-def rows() -> tuple[list[Row], set[Pair]]:
+def rows(table: int = 0) -> tuple[list[Row], set[Pair]]:
     """The rows that are judged, and the pairs of levels that go together in no scene.
 
+    table: another one has other rows.
     Only a gas without random numbers can be reversed, so few rows have reversals: in them each level of the other
     features occurs. Mean occupations do not start from numbers of particles.
     """
-    found, _ = covering({**FACTORS, "reversals": ("no",)}, (_valid,))
+    found, _ = covering({**FACTORS, "reversals": ("no",)}, (_valid,), table)
     reversible = {**FACTORS, "walls": _PLAIN, "force": ("none",), "model": ("hpp",), "reversals": ("yes",)}
     reversible["scheme"] = FACTORS["scheme"][:3]
     for k in range(max(map(len, reversible.values()))):
@@ -292,11 +295,18 @@ def _audited(laboratory: Laboratory, row: Row, number: int) -> _Found | None:
     return None
 
 
-def _judge(laboratory: Laboratory, chunk: int) -> Judged:
-    """Every CHUNKS-th row."""
+class _Chunk(NamedTuple):
+    """Every so many rows of a table (`step`), from `first` on."""
+
+    first: int
+    step: int = CHUNKS
+    table: int = 0
+
+
+def _judge(laboratory: Laboratory, chunk: _Chunk) -> Judged:
     found, skipped = [], 0
-    for number, row in enumerate(rows()[0]):
-        if number % CHUNKS == chunk:
+    for number, row in enumerate(rows(chunk.table)[0]):
+        if number % chunk.step == chunk.first:
             one = _audited(laboratory, row, number)
             skipped += one is None
             if one is not None:
@@ -346,7 +356,10 @@ CHECKS = (
         "populations counted by hand; mean occupations to rounding; random numbers within their binomial error",
         citation=FHP,
         judge=_judge,
-        variants=tuple(Variant(f"rows-{chunk}", chunk) for chunk in range(CHUNKS)),
+        variants=(
+            *quick(**{f"rows-{chunk}": _Chunk(chunk) for chunk in range(CHUNKS)}),
+            *full(**{f"other-rows-{table}": _Chunk(0, 1, table) for table in TABLES}),
+        ),
         faults=(
             (
                 "rows-0",

@@ -7,13 +7,13 @@ that it was found in.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import Laboratory, Tier
+from crosscheck.checks.base import Laboratory, Tier, Variant, full, quick
 from crosscheck.engines.capabilities import refusal, scheme_of
 from crosscheck.engines.protocol import Engine, Run
 from crosscheck.engines.registry import engine_class
@@ -28,6 +28,8 @@ from crosscheck.verdict import Findings, round_off, worst
 ENERGIES = ("kinetic_energy", "potential_energy", "virial")
 #: The roundings of two codes with one recurrence differ by so much more than those of one in two precisions do.
 _SCATTER = 20.0
+#: Seeds of starts that each table of rows has for itself, and tables of other rows that the full tier has.
+_STARTS, _OTHERS = 1000, 4
 WHY = "bounds on the rounding of coordinates, terms and sums; of steps, 20 times what doubles do to the recurrence"
 
 
@@ -283,7 +285,12 @@ class Features:
     dt: float
     steps: int
     seed: int
-    _known: dict[type[Engine], list[Row]] = field(default_factory=dict)
+    _known: dict[type[Engine], list[Row]] = field(default_factory=dict, init=False)
+
+    def other(self, table: int) -> Features:
+        """The same features in other rows, with other starts; table: which, from 1."""
+        first = _STARTS * table
+        return replace(self, scene_of=lambda row, seed: self.scene_of(row, first + seed), seed=self.seed + first)
 
     @cached_property
     def rows(self) -> tuple[list[Row], set[Pair]]:
@@ -325,12 +332,28 @@ class Features:
         return refusal(engine, scene, self.method(engine, scene)) is None
 
 
-def audit_rows(laboratory: Laboratory, features: Features, chunk: int, chunks: int) -> Findings:
+class Part(NamedTuple):
+    """A part of the rows of `features`: which one, of how many."""
+
+    features: Features
+    chunk: int = 0
+    chunks: int = 1
+
+
+def parts_of(features: Features, chunks: int) -> tuple[Variant, ...]:
+    """Variants of the quick tier, so many `chunks` of all rows of `features`, and of the full one, with other rows."""
+    return (
+        *quick(**{f"rows-{chunk}": Part(features, chunk, chunks) for chunk in range(chunks)}),
+        *full(**{f"other-rows-{table}": Part(features.other(table)) for table in range(1, _OTHERS + 1)}),
+    )
+
+
+def audit_rows(laboratory: Laboratory, part: Part) -> Findings:
     """Every sample and every step of a part of the rows that an engine knows.
 
-    laboratory: runs them. features: whose rows. chunk, chunks: which part, of how many. A message names the features of
-    the row that are not absent.
+    laboratory: runs them. part: which. A message names the features of the row that are not absent.
     """
+    features, chunk, chunks = part
     ledger, engine = Ledger(), engine_class(laboratory.engine)
     dt, steps = features.dt, features.steps
     for number, row in list(enumerate(features.known(laboratory.engine)))[chunk::chunks]:

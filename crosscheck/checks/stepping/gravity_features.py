@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, FeatureRows, Laboratory, variants_of
-from crosscheck.checks.stepping.audit import Features, audit_rows
+from crosscheck.checks.base import Check, FeatureRows
+from crosscheck.checks.stepping.audit import Features, audit_rows, parts_of
 from crosscheck.checks.stepping.faults import gravity_fault
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.pairs import Pair, Row
 from crosscheck.scene import Gravity, Scene, explicit
-from crosscheck.verdict import Judged
 
 #: Features of scenes of gravity and their levels.
 FACTORS: dict[str, tuple[str, ...]] = {
@@ -63,11 +62,6 @@ def rows() -> tuple[list[Row], set[Pair]]:
     return FEATURES.rows
 
 
-def _judge(laboratory: Laboratory, chunk: int) -> Judged:
-    """chunk: which of the parts of all rows."""
-    return audit_rows(laboratory, FEATURES, chunk, CHUNKS)
-
-
 CHECKS = (
     Check(
         name="stepping/gravity-features",
@@ -75,8 +69,8 @@ CHECKS = (
         equation="phi = -G m_i m_j/sqrt(r^2 + s^2), W = sum r_ij . F_ij, by sums over all pairs; m_i a_i = F_i",
         criterion="each within bounds of rounding: of terms and sums, and of velocity Verlet in doubles",
         citation="Aarseth, MNRAS 126, 223 (1963); Higham, Accuracy and Stability of Numerical Algorithms (2002), ch. 4",
-        judge=_judge,
-        variants=variants_of({f"rows-{chunk}": chunk for chunk in range(CHUNKS)}),
+        judge=audit_rows,
+        variants=parts_of(FEATURES, CHUNKS),
         faults=(
             (
                 "rows-1",

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, FeatureRows, Laboratory, variants_of
-from crosscheck.checks.stepping.audit import Features, audit_rows
+from crosscheck.checks.base import Check, FeatureRows
+from crosscheck.checks.stepping.audit import Features, audit_rows, parts_of
 from crosscheck.checks.stepping.faults import pair_fault
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.pairs import Pair, Row
 from crosscheck.scene import Box, Floats, LennardJones, Scene, Wall, explicit
-from crosscheck.verdict import Judged
 
 #: Features of scenes of Lennard-Jones particles and their levels.
 FACTORS: dict[str, tuple[str, ...]] = {
@@ -133,11 +132,6 @@ def rows() -> tuple[list[Row], set[Pair]]:
     return FEATURES.rows
 
 
-def _judge(laboratory: Laboratory, chunk: int) -> Judged:
-    """chunk: which of the parts of all rows."""
-    return audit_rows(laboratory, FEATURES, chunk, CHUNKS)
-
-
 CHECKS = (
     Check(
         name="stepping/lennard-jones-features",
@@ -146,8 +140,8 @@ CHECKS = (
         criterion="each within bounds of rounding: of coordinates, terms and sums, and of velocity Verlet in doubles",
         citation="Allen & Tildesley, Computer Simulation of Liquids (1987), sections 1.3-1.5, 2.4 and 5.2; rows of all "
         "pairs: Cohen, Dalal, Fredman & Patton, IEEE Trans. Softw. Eng. 23, 437 (1997)",
-        judge=_judge,
-        variants=variants_of({f"rows-{chunk}": chunk for chunk in range(CHUNKS)}),
+        judge=audit_rows,
+        variants=parts_of(FEATURES, CHUNKS),
         faults=(
             (
                 "rows-0",

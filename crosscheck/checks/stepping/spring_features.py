@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.checks.base import Check, FeatureRows, Laboratory, variants_of
-from crosscheck.checks.stepping.audit import Features, audit_rows
+from crosscheck.checks.base import Check, FeatureRows
+from crosscheck.checks.stepping.audit import Features, audit_rows, parts_of
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.pairs import Pair, Row
 from crosscheck.scene import Scene, Spring, explicit
-from crosscheck.verdict import Judged
 
 #: Features of scenes of springs and their levels.
 FACTORS: dict[str, tuple[str, ...]] = {
@@ -53,10 +52,6 @@ def rows() -> tuple[list[Row], set[Pair]]:
     return FEATURES.rows
 
 
-def _judge(laboratory: Laboratory, _: str) -> Judged:
-    return audit_rows(laboratory, FEATURES, 0, 1)
-
-
 CHECKS = (
     Check(
         name="stepping/spring-features",
@@ -64,8 +59,8 @@ CHECKS = (
         equation="U = k sum r^2/2, W = -k sum r^2, K = sum m v^2/2, F = -k r - gamma v; m_i a_i = F_i",
         criterion="each within bounds of rounding: of terms and sums, and of velocity Verlet in doubles",
         citation="Landau & Lifshitz, Mechanics, sections 10 and 25; Higham, Accuracy and Stability (2002), chapter 4",
-        judge=_judge,
-        variants=variants_of({"rows-0": "all"}),
+        judge=audit_rows,
+        variants=parts_of(FEATURES, 1),
         faults=(
             (
                 "rows-0",
