@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from refimpl.events.kernels.compiled import inline, kernel
+from refimpl.events.kernels.loop import COLLAPSE
 from refimpl.events.model import Floats, HardSpheres, Vector, Well
 from refimpl.events.prediction import (
     NEVER,
@@ -30,6 +31,7 @@ from refimpl.events.prediction import (
     nearest,
     pair_time,
     radius_of,
+    resting_flight,
     rests,
     speed_after,
     squared_moment,
@@ -52,7 +54,9 @@ from refimpl.events.state import (
     State,
     bonds_of,
     check_state,
+    collapse,
     nearness,
+    shortest_time,
     spins_of,
     time_to_cross,
     two_sum,
@@ -73,7 +77,8 @@ class Naive:
     collisions with walls, for random ones. Raises ValueError for a state that is not finite or outside the walls.
 
     Attributes: model, dimension, number; time; collisions, of pairs; trace: (time, i, j) of every change of state, with
-    j = -1 - face for a plane wall and -1 - CYLINDER_FACE for the cylinder; simultaneous: see `state.Simultaneous`.
+    j = -1 - face for a plane wall and -1 - CYLINDER_FACE for the cylinder; simultaneous: see `state.Simultaneous`;
+    stopped: "", or which inelastic collapse ended the run for good.
     """
 
     def __init__(
@@ -100,6 +105,8 @@ class Naive:
         self._hits = np.zeros(self.number, np.int64)
         self._hits[:] = hits
         self._latest = np.full(self.number, -math.inf), np.full(self.number, -1, np.int64)
+        self._streaks = np.zeros(self.number, np.int64)
+        self.stopped = ""
         self._spins = None if model.rough is None else spins_of(angular_velocities, self.number, self.dimension)
         self._bonds = None if model.well is None else bonds_of(model, model.well, x)
 
@@ -111,9 +118,12 @@ class Naive:
     def run(self, until: float = math.inf, collisions: int | None = None, changes: int | None = None) -> None:
         """Runs until the time `until`, or the given number of pair collisions or changes of state since the start.
 
-        until: time; collisions, changes: numbers, None for no such limit. The first limit that is reached ends the run.
+        until: time; collisions, changes: numbers, None for no such limit. The first limit that is reached ends the run;
+        so does an inelastic collapse, see `stopped`.
         """
         while (collisions is None or self.collisions < collisions) and (changes is None or len(self.trace) < changes):
+            if self.stopped:
+                return
             span, i, j = next_event(self.model, self._rows, self._bonds, self.time, nearness(self.model))
             limit = longest_flight(self.model, self._rows)
             left = math.fsum((until, -self._clock[0], -self._clock[1]))
@@ -125,10 +135,22 @@ class Naive:
             self._clock = two_sum(*self._clock, min(span, limit))
             if span <= limit:
                 self.trace.append((self.time, i, j))
+                self._note_streak(i, j)
                 self._note_simultaneous(i, j)
                 self.collisions += apply_event(
                     self.model, self._rows, self._spins, self._bonds, i, j, self._hits, self.time
                 )
+
+    def _note_streak(self, i: int, j: int) -> None:
+        """Counts the events of a particle in a row at one instant; too many of all partners are a collapse."""
+        instant = shortest_time(self.model, self._rows[:, 3:6])
+        if -1 - CYLINDER_FACE < j < 0:
+            instant = max(instant, resting_flight(self.model.walls, self.model, -1 - j))
+        mobile = [one for one in (i, j) if one >= 0 and not is_fixed(self.model.inverse_masses, one)]
+        at_once = all(self.time - self._latest[0][one] < instant for one in mobile)
+        self._streaks[mobile] = self._streaks[mobile] + 1 if at_once else 0
+        if self._streaks[mobile].min() > COLLAPSE:
+            self.stopped = collapse(i, j, self.time)
 
     def _note_simultaneous(self, i: int, j: int) -> None:
         """Counts the event if one of its particles has had another one, with another partner, at the same time."""
@@ -162,7 +184,7 @@ class Naive:
         return {
             "clock": self._clock, "collisions": self.collisions, "rows": self._rows, "turns": self._turns,
             "hits": self._hits, "spins": self._spins, "bonds": self._bonds, "latest": self._latest,
-            "simultaneous": self.simultaneous,
+            "streaks": self._streaks, "simultaneous": self.simultaneous,
         }  # fmt: skip
 
     def state(self) -> State:

@@ -27,12 +27,15 @@ from refimpl.events.state import (
     Simultaneous,
     State,
     check_state,
+    collapse,
     field_energy,
     kinetic_energies,
     masses_of,
     nearness,
     radii_of,
+    rms_speed,
     rotational_energies,
+    shortest_time,
     spins_of,
     time_to_cross,
     two_sum,
@@ -163,7 +166,8 @@ class Simulation:
             if status in (loop.REACHED, loop.COUNTED):
                 return
             if status == loop.COLLAPSED:
-                self.stopped = self._collapse()
+                one, other = (int(self._progress[k]) for k in (loop.FIRST, loop.SECOND))
+                self.stopped = collapse(one, other, self.time)
             elif status == loop.PAUSED:
                 self._rebase_clock()
             elif status != loop.TRACE_FULL:
@@ -197,11 +201,6 @@ class Simulation:
         if self._trace is None:
             raise ValueError("events were not traced: give trace=True")
         return np.concatenate(self._traced_states)
-
-    def _collapse(self) -> str:
-        one, other = (int(self._progress[k]) for k in (loop.FIRST, loop.SECOND))
-        who = f"particles {one} and {other}" if other >= 0 else f"particle {one} with a wall"
-        return f"inelastic collapse of {who} at t = {self.time!r}"
 
     def _rebase_clock(self) -> None:
         """Moves the time into its base, and starts all predictions again from there."""
@@ -269,8 +268,9 @@ class Simulation:
 
     def _repredict_all(self) -> None:
         """Marks all particles for a prediction of all their events at the current time."""
-        self._crossing = time_to_cross(self.model, self._rows[:, schedule.SPEED : schedule.SPEED + 3])
-        self._instant = self._shortest_time()
+        velocities = self._rows[:, schedule.SPEED : schedule.SPEED + 3]
+        self._crossing = time_to_cross(self.model, velocities)
+        self._instant = shortest_time(self.model, velocities)
         self._progress[loop.UNPREDICTED] = 0
         mobile = np.full(self.number, True) if self.model.inverse_masses is None else self.model.inverse_masses > 0
         particles = self._particles
@@ -283,23 +283,9 @@ class Simulation:
         if isinstance(self._queue, schedule.Tree):
             schedule.build_tree(self._queue, particles.own)
         else:
-            wait = EXPECTED_WAIT * min(self._grid.sides[: self.dimension]) / (self._speed() or 1.0)
+            wait = EXPECTED_WAIT * min(self._grid.sides[: self.dimension]) / (rms_speed(velocities) or 1.0)
             self._queue.per_time[0] = self.number / wait
             schedule.build_calendar(self._queue, particles.own, self._now)
-
-    def _speed(self) -> float:
-        """Root mean square."""
-        return float(np.sqrt(np.mean(np.sum(self._rows[:, schedule.SPEED : schedule.SPEED + 3] ** 2, axis=1))))
-
-    def _shortest_time(self) -> float:
-        """Two collisions of a particle that are nearer in time than this are one instant."""
-        speed = self._speed()
-        size = self.model.diameter or max(self.model.lengths)
-        times = [size / speed] if speed > 0 else []
-        if self.model.acceleration is not None and any(self.model.acceleration):
-            times.append(math.sqrt(size / math.hypot(*self.model.acceleration)))
-        # not below the rounding of the clock, in boxes of more than 1e5 diameters
-        return max(2.0**-33 * min(times, default=0.0), SIMULTANEOUS * self._crossing if self._crossing < NEVER else 0.0)
 
     # -- going on later ----------------------------------------------------------------------------
 

@@ -135,6 +135,31 @@ def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
     return counted / math.sqrt(square) if square > 0 else math.inf
 
 
+def shortest_time(model: HardSpheres, velocities: Floats) -> float:
+    """Two collisions of a particle that are nearer in time than this are one instant.
+
+    velocities: (N, d or more components).
+    """
+    speed, crossing = rms_speed(velocities), time_to_cross(model, velocities)
+    size = model.diameter or max(model.lengths)
+    times = [size / speed] if speed > 0 else []
+    if model.acceleration is not None and any(model.acceleration):
+        times.append(math.sqrt(size / math.hypot(*model.acceleration)))
+    # not below the rounding of the clock, in boxes of more than 1e5 diameters
+    return max(2.0**-33 * min(times, default=0.0), SIMULTANEOUS * crossing if crossing < math.inf else 0.0)
+
+
+def rms_speed(velocities: Floats) -> float:
+    """Root mean square; velocities: (N, d or more components)."""
+    return float(np.sqrt(np.mean(np.sum(velocities**2, axis=1))))
+
+
+def collapse(one: int, other: int, time: float) -> str:
+    """What a run says that an inelastic collapse ended; other: the second particle, or a negative number for a wall."""
+    who = f"particles {one} and {other}" if other >= 0 else f"particle {one} with a wall"
+    return f"inelastic collapse of {who} at t = {float(time)!r}"
+
+
 def two_sum(high: float, low: float, more: float) -> tuple[float, float]:
     """(high + low) + more as a sum of two: the first is rounded, the second what it lacks.
 

@@ -29,25 +29,26 @@ GRAVITY = 1.0
 
 def over_floor(
     floor: Face, heights: Floats, velocities: Floats, duration: float, interval: float, *, gravity: bool = True,
-    seed: int | None = None, width: float = 1.0,
+    seed: int | None = None, width: float = 1.0, diameter: float = 0.0,
 ) -> Scene:  # fmt: skip
     """Point grains, which do not hit each other, above the floor y = 0; nothing above, periodic to the sides.
 
-    floor: its motion and impact rule. heights, velocities: at the start, (N,). duration: of the run. interval: between
+    floor: its motion and impact rule. heights, velocities: at the start, (N,). diameter: of grains that are no points,
+    whose heights are those of their lowest points. duration: of the run. interval: between
     samples. gravity: g = 1, or none. seed: of random phases. width: of the box; a narrow one keeps the rounding of
     places small, in a wide one many grains are apart.
     """
     number = heights.size
-    places = np.stack([width * (np.arange(number) + 0.5) / number, heights], axis=1)
+    places = np.stack([width * (np.arange(number) + 0.5) / number, heights + diameter / 2], axis=1)
     return Scene(
         name="grains-on-a-floor",
         dimension=2,
         duration=duration,
         seed=seed,
         acceleration=(0.0, -GRAVITY) if gravity else None,
-        hard_spheres=HardSpheres(diameter=0.0),
+        hard_spheres=HardSpheres(diameter=diameter),
         box=Box(
-            lengths=(width, max(2.0, float(heights.max()))),
+            lengths=(width, max(2.0, float(heights.max()) + diameter)),
             boundaries=("periodic", "hard"),
             faces={"y-": floor, "y+": Face(open=True)},
         ),

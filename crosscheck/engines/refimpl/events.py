@@ -248,8 +248,6 @@ def _remarks(sim: Any) -> tuple[str, ...]:
 class _Naive(Naive):
     """The naive algorithm, with those observables of `Simulation` that follow from the state alone."""
 
-    stopped = ""
-
     @property
     def events(self) -> int:
         """Number of events: the changes of state, since this algorithm has no other events."""

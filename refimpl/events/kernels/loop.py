@@ -659,6 +659,24 @@ def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int,
 
 
 @inline_internal
+def _put_onto_plane(model: Any, walls: Any, grid: Any, rows: Any, i: int, face: int) -> None:
+    """Puts a particle that touches a wall less than a quantum behind its contact, where a field acts.
+
+    A place that is rounded to before the wall would give it the speed of the fall from there at each impact: it would
+    never come to rest.
+    """
+    if walls is None or model.acceleration is None:
+        return
+    if walls.motion[face] == OSCILLATING:
+        return
+    k, radius = face >> 1, radius_of(model.diameter, model.radii, i)
+    if face & 1 == 0:
+        rows[i, k] = np.floor(radius / grid.quantum) * grid.quantum
+    else:
+        rows[i, k] = model.lengths[k] - np.floor(radius / grid.quantum) * grid.quantum
+
+
+@inline_internal
 def _hit_wall(
     model: Any, grid: Any, particles: Any, measured: Any, i: int, now: float, instant: float, resolution: float
 ) -> bool:
@@ -676,6 +694,7 @@ def _hit_wall(
         at_cylinder(model, model.cylinder, rows, spins, i, recent)
     else:
         instant = max(instant, resting_flight(model.walls, model, face))
+        _put_onto_plane(model, model.walls, grid, rows, i, face)
         at_plane(model, model.walls, rows, spins, i, hits, face, now, recent)
     note_wall_after(tallies, fields, model, rows, spins, i, face)
     note_cylinder(tallies, model, rows, i, face)
