@@ -106,6 +106,11 @@ def _some(row: Row, kind: str) -> bool:
     return any(row[axis] == kind for axis in _axes(row))
 
 
+def _bounded(row: Row) -> int:
+    """Axes along which the particles cannot move round the box."""
+    return sum(row[axis] != "periodic" for axis in _axes(row))
+
+
 #: Which features of a row go together.
 RULES: tuple[Rule, ...] = (
     lambda row: row["dimension"] == "3" or (row["z"] == "periodic" and row["cylinder"] in ("none", "z")),
@@ -114,6 +119,8 @@ RULES: tuple[Rule, ...] = (
     lambda row: row["box"] != "none" or row["measured"] != "fields",
     lambda row: row["box"] != "none" or not (_some(row, "hard") or _some(row, "periodic")),
     lambda row: row["measured"] != "fields" or row["box"] in ("wide", "dilute"),
+    # clear of the walls on their way, there would be no room
+    lambda row: row["box"] != "small" or row["walls"] != "oscillating" or _bounded(row) < 2,
     lambda row: row["species"] != "points" or row["box"] != "small",
     lambda row: row["species"] != "points" or (row["friction"] == "none" and row["well"] == "none"),
     lambda row: row["fixed"] == "no" or row["field"] == "none",
