@@ -155,7 +155,10 @@ def rms_speed(velocities: Floats) -> float:
 
 
 def collapse(one: int, other: int, time: float) -> str:
-    """What a run says that an inelastic collapse ended; other: the second particle, or a negative number for a wall."""
+    """What a run says that an inelastic collapse ended.
+
+    one, other: the particles, or a negative number for a wall. time: of the last collision.
+    """
     who = f"particles {one} and {other}" if other >= 0 else f"particle {one} with a wall"
     return f"inelastic collapse of {who} at t = {float(time)!r}"
 

@@ -333,7 +333,7 @@ class Features:
 
 
 class Part(NamedTuple):
-    """A part of the rows of `features`: which one, of how many."""
+    """A part of the rows of `features`: number `chunk`, from 0, of so many `chunks`."""
 
     features: Features
     chunk: int = 0
@@ -341,7 +341,10 @@ class Part(NamedTuple):
 
 
 def parts_of(features: Features, chunks: int) -> tuple[Variant, ...]:
-    """Variants of the quick tier, so many `chunks` of all rows of `features`, and of the full one, with other rows."""
+    """Variants of the quick tier, each a part of all rows, and of the full tier, each with other rows.
+
+    features: whose rows. chunks: number of the parts.
+    """
     return (
         *quick(**{f"rows-{chunk}": Part(features, chunk, chunks) for chunk in range(chunks)}),
         *full(**{f"other-rows-{table}": Part(features.other(table)) for table in range(1, _OTHERS + 1)}),
