@@ -135,15 +135,16 @@ class Naive:
             self._clock = two_sum(*self._clock, min(span, limit))
             if span <= limit:
                 self.trace.append((self.time, i, j))
-                self._note_streak(i, j)
-                self._note_simultaneous(i, j)
+                crossing = time_to_cross(self.model, self._rows[:, 3:6])
+                self._note_streak(i, j, crossing)
+                self._note_simultaneous(i, j, crossing)
                 self.collisions += apply_event(
                     self.model, self._rows, self._spins, self._bonds, i, j, self._hits, self.time
                 )
 
-    def _note_streak(self, i: int, j: int) -> None:
+    def _note_streak(self, i: int, j: int, crossing: float) -> None:
         """Counts the events of a particle in a row at one instant; too many of all partners are a collapse."""
-        instant = shortest_time(self.model, self._rows[:, 3:6])
+        instant = shortest_time(self.model, self._rows[:, 3:6], crossing)
         if -1 - CYLINDER_FACE < j < 0:
             instant = max(instant, resting_flight(self.model.walls, self.model, -1 - j))
         mobile = [one for one in (i, j) if one >= 0 and not is_fixed(self.model.inverse_masses, one)]
@@ -152,10 +153,10 @@ class Naive:
         if self._streaks[mobile].min() > COLLAPSE:
             self.stopped = collapse(i, j, self.time)
 
-    def _note_simultaneous(self, i: int, j: int) -> None:
+    def _note_simultaneous(self, i: int, j: int, crossing: float) -> None:
         """Counts the event if one of its particles has had another one, with another partner, at the same time."""
         times, partners = self._latest
-        tick = SIMULTANEOUS * time_to_cross(self.model, self._rows[:, 3:6])
+        tick = SIMULTANEOUS * crossing
         seen = [(i, j)] if j < 0 else [(i, j), (j, i)]
         for one, other in seen:
             same = (partners[one] < 0 and other < 0) or partners[one] == other

@@ -270,7 +270,7 @@ class Simulation:
         """Marks all particles for a prediction of all their events at the current time."""
         velocities = self._rows[:, schedule.SPEED : schedule.SPEED + 3]
         self._crossing = time_to_cross(self.model, velocities)
-        self._instant = shortest_time(self.model, velocities)
+        self._instant = shortest_time(self.model, velocities, self._crossing)
         self._progress[loop.UNPREDICTED] = 0
         mobile = np.full(self.number, True) if self.model.inverse_masses is None else self.model.inverse_masses > 0
         particles = self._particles

@@ -135,12 +135,12 @@ def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
     return counted / math.sqrt(square) if square > 0 else math.inf
 
 
-def shortest_time(model: HardSpheres, velocities: Floats) -> float:
+def shortest_time(model: HardSpheres, velocities: Floats, crossing: float) -> float:
     """Two collisions of a particle that are nearer in time than this are one instant.
 
-    velocities: (N, d or more components).
+    velocities: (N, d or more components). crossing: their `time_to_cross`.
     """
-    speed, crossing = rms_speed(velocities), time_to_cross(model, velocities)
+    speed = rms_speed(velocities)
     size = model.diameter or max(model.lengths)
     times = [size / speed] if speed > 0 else []
     if model.acceleration is not None and any(model.acceleration):

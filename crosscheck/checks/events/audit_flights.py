@@ -115,8 +115,7 @@ def _scene(walls: _Walls, seed: int) -> Scene:
         box=box,
         acceleration=walls.field,
         initial=explicit(x, v),
-        # an event at time 0 comes after the sample of the start, which a trace does not say
-        output=Output(interval=_DURATION / 10 if walls.floor else None, trajectory=walls.floor, trace=True),
+        output=Output(interval=_DURATION / 10, trajectory=True, trace=True),
     )
 
 

@@ -160,6 +160,14 @@ class History:
             w[:, i] = states[2][last]
         return x, v, w
 
+    def sampled(self, times: Floats) -> tuple[Floats, Floats, Floats]:
+        """As `at`, but at the time 0 before its events: sample 0 of a run is the start."""
+        x, v, w = self.at(times)
+        for i, states in enumerate(self._arrays):
+            for found, of_start in zip((x, v, w), states, strict=True):
+                found[times == 0.0, i] = of_start[0]
+        return x, v, w
+
     def number_until(self, time: float) -> int:
         """How many events are not later than `time`."""
         return bisect_right(self.times, time)

@@ -80,7 +80,7 @@ def _states(
 ) -> dict[str, tuple[Floats, float]]:
     d, spins = scene.dimension, slice(2, 3) if scene.dimension == 2 else slice(0, 3)
     position, velocity, spin = rounding
-    x, v, w = history.at(times)
+    x, v, w = history.sampled(times)
     end = history.at(np.array([history.end]))
     return {
         "positions": (x[..., :d], position),
@@ -151,7 +151,7 @@ def _until(terms: Floats, counts: Floats, least: float = 0.0) -> Sum:
 
 def _energies_at(history: History, times: Floats) -> dict[str, Sum]:
     matter, g = history.matter, history.matter.acceleration
-    x, v, w = history.at(times)
+    x, v, w = history.sampled(times)
     turning = np.where(matter.fixed, 0.0, matter.moments) if matter.spheres.friction is not None else 0.0 * matter.radii
     rotation = (0.5 * turning * (w * w).sum(axis=2)).sum(axis=1)
     kinetic = (0.5 * matter.weights * (v * v).sum(axis=2)).sum(axis=1) + rotation
