@@ -145,7 +145,11 @@ def _judge_second_image(laboratory: Laboratory) -> Judged:
 
 
 def _judge_dilute(laboratory: Laboratory) -> Judged:
-    """A gas at n sigma^3 = 1e-3 ... 1e-6: at each collision, the nearest two are at the contact distance."""
+    """A gas at n sigma^3 = 1e-3 ... 1e-6: at each collision, the nearest two are at the contact distance.
+
+    Free paths are up to 500 sides of the box, and places that are not wrapped are rounded as these are. The virial is
+    that of the pair alone, and must be rounded as the box is.
+    """
     judged: list[Judged] = []
     for density, collisions in ((1e-3, 200), (1e-5, 50), (1e-6, 20)):
         scene = spheres(
@@ -164,16 +168,30 @@ def _judge_dilute(laboratory: Laboratory) -> Judged:
         coarse = 4 * EPSILON * np.abs(run["positions"][1:]).max(axis=(1, 2))
         rounding = _ROUNDINGS * EPSILON * float(lengths[0]) + coarse
         share = errors / rounding
-        judged.append(
+        judged += [
             round_off(
                 f"n = {density:g}: error of the distance at a collision, in units of its rounding",
                 float(share.max()),
                 1.0,
                 _WHY,
                 note=f"largest error {errors.max():.2g} diameters",
-            )
-        )
+            ),
+            round_off(
+                f"n = {density:g}: error of the contact distance in the virial",
+                float(np.abs(_virial_distances(run) - 1.0).max()),
+                _ROUNDINGS * EPSILON * float(lengths[0]),
+                _WHY,
+            ),
+        ]
     return worst(judged, "108 spheres")
+
+
+def _virial_distances(run: Run) -> Floats:
+    """The pair's virial over the momentum exchanged, at each collision of spheres of mass 1; the run samples all."""
+    virials = np.diff(run["collisional_virial"])
+    exchanged = np.linalg.norm(np.diff(run["velocities"], axis=0), axis=2).max(axis=1)
+    distances: Floats = virials / exchanged
+    return distances
 
 
 def _nearest(positions: Floats, lengths: Floats) -> float:

@@ -32,7 +32,7 @@ _TILE, _CLOSE_SKIN = 8, 0.2
 class _Fluid(NamedTuple):
     """dimension, density, cutoff of a fluid; temperature: of its start; known: counts of `refimpl`.
 
-    open_: the last axis has no period.
+    open_: the last axis has no period. number: of particles.
     """
 
     dimension: Literal[2, 3]
@@ -41,6 +41,7 @@ class _Fluid(NamedTuple):
     temperature: float
     known: dict[str, float]
     open_: bool = False
+    number: int = _NUMBER
 
 
 # lists reach 0.8 beyond the cutoff
@@ -48,19 +49,23 @@ _DISKS = _Fluid(2, 0.7, 2.5, 1.5, {"pair_tests": 132544, "list_builds": 2, "list
 _LAYER = _Fluid(
     2, 0.7, 1.6, 1.5, {"pair_tests": 66736, "list_builds": 2, "list_prunings": 8, "list_tests": 15736}, True
 )
+# wide columns of cells: how finely they are cut says how much is looked at beyond the reach of a list
+_DILUTE = _Fluid(2, 0.03, 1.12, 10.0, {"list_builds": 8, "list_tests": 35624}, number=225)
 _SPHERES = _Fluid(3, 0.5, 1.6, 6.0, {"pair_tests": 147848, "list_builds": 5, "list_prunings": 16, "list_tests": 138400})
 
 
-def _scene(fluid: _Fluid, number: int, steps: int) -> Scene:
+def _scene(fluid: _Fluid, steps: int) -> Scene:
     """A Lennard-Jones fluid from the same start whatever the seed: counts are known of it."""
     structure: Literal["square", "sc"] = "square" if fluid.dimension == 2 else "sc"
     return Scene(
-        name=f"fluid-of-{number}",
+        name=f"fluid-of-{fluid.number}",
         dimension=fluid.dimension,
         duration=steps * STEP.step,
         lennard_jones=LennardJones(cutoff=fluid.cutoff),
         box=Box(density=fluid.density, boundaries=("periodic", "open") if fluid.open_ else None),
-        initial=Lattice(kind="lattice", structure=structure, number=number, temperature=fluid.temperature, seed=3),
+        initial=Lattice(
+            kind="lattice", structure=structure, number=fluid.number, temperature=fluid.temperature, seed=3
+        ),
     )
 
 
@@ -76,7 +81,7 @@ def _judge_schemes(laboratory: Laboratory) -> Judged:
     for name, claims in laboratory.claims.items():
         if claims.kind != "stepping":
             continue
-        cost = laboratory.run(_scene(_DISKS._replace(density=0.1), 4, 6), Method(scheme=name, dt=STEP.dt)).cost
+        cost = laboratory.run(_scene(_DISKS._replace(density=0.1, number=4), 6), Method(scheme=name, dt=STEP.dt)).cost
         start, each = evaluations_of(name)
         if laboratory.engine == "refimpl":
             judged.append(exactly(f"{name}: evaluations in 6 steps", cost.evaluations, start + 6 * each))
@@ -88,15 +93,15 @@ def _judge_schemes(laboratory: Laboratory) -> Judged:
 
 
 def _judge_fluid(laboratory: Laboratory, fluid: _Fluid) -> Judged:
-    cost = laboratory.run(_scene(fluid, _NUMBER, _STEPS), STEP).cost
-    tests = counted(cost, "pair_tests") / (_NUMBER * cost.evaluations)
-    builds, box = counted(cost, "list_builds"), (_NUMBER / fluid.density) ** (1 / fluid.dimension)
+    cost = laboratory.run(_scene(fluid, _STEPS), STEP).cost
+    tests = counted(cost, "pair_tests") / (fluid.number * cost.evaluations)
+    builds, box = counted(cost, "list_builds"), (fluid.number / fluid.density) ** (1 / fluid.dimension)
     judged = [
         exactly("evaluations of the force", cost.evaluations, _STEPS + 1),
         at_most("lists made, over steps", builds / _STEPS, 0.2, "a list is good for several steps"),
         at_most(
             "distances for a list, over those of all pairs",
-            counted(cost, "list_tests") / (builds * _NUMBER**2),
+            counted(cost, "list_tests") / (builds * fluid.number**2),
             2.0 * (1 + 2 * (fluid.cutoff + 1.0) / box) ** fluid.dimension,
             "the box and its images within the cutoff and a skin as large as sigma, at most, from both sides",
         ),
@@ -112,7 +117,7 @@ def _judge_fluid(laboratory: Laboratory, fluid: _Fluid) -> Judged:
                 "eight particles share a list of all that is in reach of one of them; scattered, they reach less far",
             )
         )
-    return worst([*judged, *as_known(laboratory, cost, fluid.known)], f"{_STEPS} steps of {_NUMBER} particles")
+    return worst([*judged, *as_known(laboratory, cost, fluid.known)], f"{_STEPS} steps of {fluid.number} particles")
 
 
 def _judge(laboratory: Laboratory, judge: Callable[[Laboratory], Judged]) -> Judged:
@@ -134,6 +139,7 @@ CHECKS = (
         variants=(
             Variant("schemes", _judge_schemes, needs=_needs(2)),
             Variant("fluid", partial(_judge_fluid, fluid=_DISKS), needs=_needs(2)),
+            Variant("dilute", partial(_judge_fluid, fluid=_DILUTE), needs=_needs(2)),
             Variant("layer", partial(_judge_fluid, fluid=_LAYER), needs=_needs(2, "box.boundaries=open")),
             Variant("fluid-in-space", partial(_judge_fluid, fluid=_SPHERES), needs=_needs(3)),
         ),

@@ -83,7 +83,7 @@ from refimpl.events.rules import (
 )
 
 #: Why the loop returned.
-REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL = range(8)
+REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL, GOING_ON = range(9)
 #: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the cylinder; all events of the particle
 #: are to be predicted.
 WALL, CYLINDER, REPREDICT = 8, 16, 17
@@ -293,6 +293,16 @@ def _prefetch_radius(radii: Any, i: int) -> None:
 
 
 @inline_internal
+def _prefetch_rows(cells: Any, nx: int, ny: int, x0: int, y0: int, y1: int, z0: int, z1: int) -> None:
+    """Fetches the first cells of rows along x, from the column x0 on, at y0 to y1 and z0 to z1."""
+    for kz in range(z0, z1 + 1):
+        for ky in range(y0, y1 + 1):
+            place = ((kz * ny + ky) * nx + x0) * (4 * cells.shape[1])
+            prefetch(cells, place)
+            prefetch(cells, place + 64)
+
+
+@inline_internal
 def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
     """Predicts the events of particle i with those in its own and the neighbouring cells, for the store.
 
@@ -322,11 +332,8 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
     inside = (x0 >= 0) & (y0 >= 0) & (z0 >= 0) & (x1 < nx) & (y1 < ny) & (z1 < nz)
     p = 0
     if inside:
-        for kz in range(z0, z1 + 1 if cells.shape[0] > MANY else z0):
-            for ky in range(y0, y1 + 1):
-                place = ((kz * ny + ky) * nx + x0) * (4 * cells.shape[1])
-                prefetch(cells, place)
-                prefetch(cells, place + 64)
+        if cells.shape[0] > MANY:
+            _prefetch_rows(cells, nx, ny, x0, y0, y1, z0, z1)
         for kz in range(z0, z1 + 1):
             for ky in range(y0, y1 + 1):
                 row = (kz * ny + ky) * nx
@@ -736,6 +743,22 @@ def _trace_is_full(trace: Any) -> bool:
     return trace.filled[0] >= trace.time.size
 
 
+@inline_internal
+def _reason_to_stop(due: float, pairs: int, store: Any, scratch: Any, trace: Any, limits: Any) -> int:
+    """Why the event at the time `due` has to wait; GOING_ON if it has not."""
+    if pairs >= limits.collisions:
+        return COUNTED
+    if due > limits.until:
+        return REACHED
+    if due > limits.renewal:
+        return PAUSED
+    if not has_room(store, 2 * scratch.ids.size):
+        return STORE_FULL
+    if _trace_is_full(trace):
+        return TRACE_FULL
+    return GOING_ON
+
+
 @kernel
 def advance(
     model: Any, grid: Any, particles: Any, store: Any, queue: Any, scratch: Any, measured: Any, progress: Any,
@@ -743,9 +766,9 @@ def advance(
 ) -> tuple[int, float]:  # fmt: skip
     """Processes events from the time `clock` on until one of the `limits`; why it stopped, and the time then."""
     _, fields, counts, trace, _ = measured
-    until, renewal, instant, resolution, most_pairs = limits
+    instant, resolution = limits.instant, limits.resolution
     rows, ints, own = particles.rows, particles.ints, particles.own
-    now, status = clock, REACHED
+    now, status = clock, GOING_ON
     pairs, events = progress[PAIRS], progress[EVENTS]
     interactions, unpredicted = progress[INTERACTIONS], progress[UNPREDICTED]
     while True:
@@ -760,20 +783,8 @@ def advance(
         prefetch_entry(queue, i)
         pair_time, own_time = rows[i, NEXT], own[i]
         due = min(pair_time, own_time)
-        if pairs >= most_pairs:
-            status = COUNTED
-            break
-        if due > until:
-            now = until
-            break
-        if due > renewal:
-            now, status = min(due, np.floor(due / renewal) * renewal), PAUSED
-            break
-        if not has_room(store, 2 * scratch.ids.size):
-            status = STORE_FULL
-            break
-        if _trace_is_full(trace):
-            status = TRACE_FULL
+        status = _reason_to_stop(due, pairs, store, scratch, trace, limits)
+        if status != GOING_ON:
             break
         now = max(now, due)
         j = np.int64(-1)  # a second particle whose events change
@@ -835,6 +846,10 @@ def advance(
                 _predict(model, grid, particles, store, scratch, counts, one, layer)
             update(queue, counts, one, min(rows[one, NEXT], own[one]))
             one, j = j, np.int64(-1)
+    if status == REACHED:
+        now = limits.until
+    elif status == PAUSED:
+        now = min(due, np.floor(due / limits.renewal) * limits.renewal)
     progress[PAIRS], progress[EVENTS] = pairs, events
     progress[INTERACTIONS], progress[UNPREDICTED] = interactions, unpredicted
     return status, now

@@ -252,7 +252,7 @@ def grains(
         walls=np.array(rows, dtype=np.float64).reshape(len(rows), 11),
         cylinder=np.zeros(0) if cylinder is None else _cylinder_row(cylinder),
         auxiliary=1 + (2 + (len(rows) + 1) * dimension + 1 if tallies else 0),
-        skin=min(SKIN * diameter if skin is None else skin, 0.499 * shortest - diameter),
+        skin=SKIN * diameter if skin is None else skin,
         built=np.zeros(number * dimension),
         pairs=pairs,
         reach2=reach2,
