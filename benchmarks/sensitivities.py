@@ -3,12 +3,12 @@
     python benchmarks/sensitivities.py [pattern of checks or cases ...] [--seeds K] [--tier full] [--engine NAME]
 
 For each number that a case judges statistically with a standard error, one observable of the engine's runs is altered:
-multiplied by 1 + epsilon, shifted by epsilon of its root mean square, multiplied in one of several runs alone, or
-raised to the power 1 + epsilon. The first of these that moves the number is taken, of the observable that moves it
-most; it is found by trying. epsilon is such that the number lies off what is expected by the sensitivity, in the mean
-over all runs, to either side. Then the check itself judges the altered data, of each seed in two runs with different
-random numbers, as `crosscheck run` does where the first is red; counted are the seeds in which the number is red in
-both.
+multiplied by 1 + epsilon, shifted by epsilon of its root mean square, multiplied in one of several runs alone or of
+the first half of the particles alone, or raised to the power 1 + epsilon. The first of these that moves the number is
+taken, of the observable that moves it most; it is found by trying. epsilon is such that the number lies off what is
+expected by the sensitivity, in the mean over all runs, to either side. Then the check itself judges the altered data,
+of each seed in two runs with different random numbers, as `crosscheck run` does where the first is red; counted are
+the seeds in which the number is red in both.
 
 The deviation that is injected is that of the mean sensitivity of all runs (root mean square of what depends on the
 standard error). Printed for either side: the share of seeds in which it is seen, and of all of them the interval that
@@ -31,17 +31,29 @@ from crosscheck.checks.base import Laboratory
 from crosscheck.engines.protocol import Kind, Run
 from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.pool import Pool
+from crosscheck.errors import UsageError
 from crosscheck.scene import Method, Scene
 from crosscheck.statistics import seen_beyond, student_quantile
 from crosscheck.verdict import SEEN, SUSPICIOUS, Findings, Judgement, findings
 
-#: epsilon of the trial, and the least change of a number that counts as an answer to it, as a share of epsilon.
-TRIAL, LEAST_ANSWER = 1e-3, 0.02
+#: epsilon of the trial, and the largest one that is injected: a larger one would change the scatter like the mean.
+TRIAL, LARGEST = 1e-3, 0.5
 #: How exactly the deviation is injected, as a share of it.
 EXACT = 0.01
+#: Observables (..., N, d) of N particles.
+OF_PARTICLES = ("positions", "velocities", "angular_velocities", "final_positions", "final_velocities")
+
+
+def _of_half(x: np.ndarray, epsilon: float) -> np.ndarray:
+    factors = np.ones((x.shape[-2], 1))
+    factors[: len(factors) // 2] += epsilon
+    return x * factors
+
+
 #: Alterations: name, and what becomes of an array x.
 ALTERATIONS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "times 1 + e": lambda x, e: x * (1 + e),
+    "of half of the particles times 1 + e": _of_half,
     "plus e rms": lambda x, e: x + e * np.sqrt(np.mean(x**2)),
     "to the power 1 + e": lambda x, e: np.sign(x) * np.abs(x) ** (1 + e),
 }
@@ -109,8 +121,9 @@ def statistical_ones(found: Findings) -> dict[int, Judgement]:
 def alterations(runs: Sequence[tuple[str, Run]], engine: str) -> Iterator[list[Alteration]]:
     """Those of all observables, by kind, the simplest kinds first."""
     names = sorted({name for other, run in runs if other == engine for name in run} - {"time"})
-    scaled, shifted, power = ALTERATIONS
+    scaled, halved, shifted, power = ALTERATIONS
     yield [Alteration(name, scaled) for name in names]
+    yield [Alteration(name, halved) for name in names if name in OF_PARTICLES]
     yield [Alteration(name, shifted) for name in names]
     yield [Alteration(name, scaled, number) for name in names for number in range(min(len(runs), 3))]
     yield [Alteration(name, power) for name in names]
@@ -126,7 +139,7 @@ class Answer(NamedTuple):
 def moving(run: Judged, index: int, size: float) -> Iterator[Answer]:
     """The alterations that move the number of a judgement: the simplest kind first, of each the strongest first.
 
-    index: of the judgement. size: of the number; less than `LEAST_ANSWER` of it is no answer.
+    index: of the judgement. size: of the deviation that is to be injected by an epsilon of at most `LARGEST`.
     """
     laboratory, judge, still = run
     for several in alterations(laboratory.kept, laboratory.engine):
@@ -134,12 +147,12 @@ def moving(run: Judged, index: int, size: float) -> Iterator[Answer]:
         for one in several:
             try:
                 moved = laboratory.judged(judge, one, TRIAL)
-            except (ValueError, ArithmeticError, LookupError):  # data that the check cannot read
+            except (ValueError, ArithmeticError, LookupError, UsageError):  # data that the check cannot read
                 continue
             if len(moved.judgements) == len(still.judgements):
                 change = (measured(moved, index) - measured(still, index)) / TRIAL
                 answers.append(Answer(one, float(np.nan_to_num(change))))
-        strong = [answer for answer in answers if abs(answer.slope) > LEAST_ANSWER * size]
+        strong = [answer for answer in answers if abs(answer.slope) * LARGEST > size]
         yield from sorted(strong, key=lambda answer: -abs(answer.slope))
 
 
@@ -224,7 +237,7 @@ def rows(case: runner.Case, seeds: int, pool: Pool) -> Iterator[str]:
     runs += [judged(name, seed) for seed in range(1, seeds) for name in (case.name, again(case))]
     label = f"{case.name} [{case.engine}]"
     for index, one in chosen.items():
-        for answer in moving(first, index, max(abs(one.measured or 0.0), deviation([one]))):
+        for answer in moving(first, index, deviation([one])):
             up, down = (injected(runs, index, answer, side) for side in (1, -1))
             if up and down:
                 break

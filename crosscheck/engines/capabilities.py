@@ -179,7 +179,8 @@ class Needs:
     names that the engine's attribute `promises` must hold; "speed": its speed may be judged; "interpretable": where the
     environment has NUMBA_DISABLE_JIT, it runs as plain Python, for scenes too small to be worth a compilation;
     "operations": it counts them exactly, in `Cost`; "restarts": it goes on with the same bits, see
-    `protocol.Restartable`; "remarks_on_order": it remarks on events at one time whose order decides what follows.
+    `protocol.Restartable`; "remarks_on_order": it remarks on events at one time whose order decides what follows;
+    "impulses_after_steps": its searches for collisions do what `crosscheck.references.collision_steps` says.
     """
 
     interaction: str

@@ -6,6 +6,7 @@ that it was found in.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -131,8 +132,9 @@ def audit_samples(ledger: Ledger, scene: Scene, run: Run, where: str) -> None:
         for name, (given, found) in start.items():
             ledger.note(f"{name} of the start", found[0] - given, 2 * EPSILON * abs(given) + 1e-300, where)
         samples.update(enumerate(zip(positions, velocities, strict=True)))
-        ledger.note("last sample of the positions", positions[-1] - run["final_positions"], 1e-300, where)
-        ledger.note("last sample of the velocities", velocities[-1] - run["final_velocities"], 1e-300, where)
+        if math.isclose(run["time"][-1], scene.duration, rel_tol=1e-9):
+            ledger.note("last sample of the positions", positions[-1] - run["final_positions"], 1e-300, where)
+            ledger.note("last sample of the velocities", velocities[-1] - run["final_velocities"], 1e-300, where)
     else:
         samples[len(run["time"]) - 1] = run["final_positions"], run["final_velocities"]
     for sample, (r, v) in samples.items():
@@ -149,7 +151,8 @@ def audit_samples(ledger: Ledger, scene: Scene, run: Run, where: str) -> None:
             ledger.note(name, run[name][sample] - value, bound, where)
     if "forces" in run:
         gamma = 0.0 if scene.spring is None or scene.spring.gamma is None else scene.spring.gamma
-        friction: Floats = gamma * np.asarray(v)
+        friction: Floats = gamma * np.asarray(run["final_velocities"])
+        exact = smooth(scene, run["final_positions"])
         bound = exact.forces_error[:, None] + 4 * EPSILON * abs(friction)
         ledger.note("forces", run["forces"] - (exact.forces - friction), bound, where)
 
@@ -234,8 +237,9 @@ def audit_steps(
     between samples. where: the scene, in words. again: evaluations of the force that an engine may need to repeat.
     """
     if "positions" in run and "velocities" in run:
-        numbers = np.arange(0, steps + 1, every)
-        errors, bounds = expected.compared(numbers, run["positions"], run["velocities"])
+        numbers = [*range(0, steps + 1, every), steps]
+        states = (np.concatenate([run[name], run[f"final_{name}"][None]]) for name in ("positions", "velocities"))
+        errors, bounds = expected.compared(numbers, *states)
     else:
         errors, bounds = expected.compared([steps], run["final_positions"][None], run["final_velocities"][None])
     if run.cost.evaluations and run.cost.steps:  # an engine that does not count says 0

@@ -21,7 +21,8 @@ from crosscheck.engines.capabilities import Needs
 from crosscheck.scene import Box, Gravity, LennardJones, Method, Scene, Spring, Wall, explicit
 from crosscheck.verdict import Judged
 
-STEPS = 6
+#: Steps of a run, of which the last comes after the last sample, and those between two samples.
+STEPS, EVERY = 7, 2
 #: Scenes of each interaction, richest first, with a time step: an engine is judged by the first ones that it knows.
 Scenes = tuple[tuple[Scene, float], ...]
 
@@ -90,11 +91,11 @@ def _judge(laboratory: Laboratory, scheme: str, scenes: Scenes, judged: int) -> 
     for scene, dt in scenes:
         if ledger.scenes == judged:
             break
-        asked = asking(laboratory.engine, scene.changed(duration=STEPS * dt), dt)
+        asked = asking(laboratory.engine, scene.changed(duration=STEPS * dt), EVERY * dt)
         run = run_or_refuse(laboratory, ledger, asked, Method(scheme=scheme, dt=dt))
         if run is not None:
             audit_samples(ledger, asked, run, scene.name)
-            audit_steps(ledger, Expected(asked, scheme, dt, STEPS), run, STEPS, 1, scene.name)
+            audit_steps(ledger, Expected(asked, scheme, dt, STEPS), run, STEPS, EVERY, scene.name)
     return ledger.findings()
 
 

@@ -56,7 +56,7 @@ class ReboundEngine:
     )
 
     #: Thousands of steps of some hundred bodies take seconds.
-    promises = ("long_runs",)
+    promises = ("long_runs", "impulses_after_steps")
 
     def version(self) -> str:
         import rebound

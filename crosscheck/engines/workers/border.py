@@ -27,7 +27,10 @@ LONGEST_TEXT = 2000
 #: Largest number of remarks of a run.
 MOST_REMARKS = 100
 #: What an engine may promise, see `docs/engines.md`.
-PROMISES = ("speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "remarks_on_order")
+PROMISES = (
+    "speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "remarks_on_order",
+    "impulses_after_steps",
+)  # fmt: skip
 #: Largest cost that is believed: 30 years in seconds, and what a signed 64-bit integer holds.
 _LONGEST_TIME = 1e9
 _LARGEST_COUNT = 2**63 - 1
