@@ -3,12 +3,12 @@
     python benchmarks/sensitivities.py [pattern of checks or cases ...] [--seeds K] [--tier full] [--engine NAME]
 
 For each number that a case judges statistically with a standard error, one observable of the engine's runs is altered:
-multiplied by 1 + epsilon, shifted by epsilon of its root mean square, multiplied in one of several runs alone or of
-the first half of the particles alone, or raised to the power 1 + epsilon. The first of these that moves the number is
-taken, of the observable that moves it most; it is found by trying. epsilon is such that the number lies off what is
-expected by the sensitivity, in the mean over all runs, to either side. Then the check itself judges the altered data,
-of each seed in two runs with different random numbers, as `crosscheck run` does where the first is red; counted are
-the seeds in which the number is red in both.
+multiplied by 1 + epsilon, in all or in the first half of the particles, the first component or one of several runs
+alone, shifted by epsilon of its root mean square, or raised to the power 1 + epsilon; last, times are. The first of
+these that moves the number is taken, of the observable that moves it most; it is found by trying. epsilon is such that
+the number lies off what is expected by the sensitivity, in the mean over all runs, to either side. Then the check
+itself judges the altered data, of each seed in two runs with different random numbers, as `crosscheck run` does where
+the first is red; counted are the seeds in which the number is red in both.
 
 The deviation that is injected is that of the mean sensitivity of all runs (root mean square of what depends on the
 standard error). Printed for either side: the share of seeds in which it is seen, and of all of them the interval that
@@ -38,6 +38,8 @@ from crosscheck.verdict import SEEN, SUSPICIOUS, Findings, Judgement, findings
 
 #: epsilon of the trial, and the largest one that is injected: a larger one would change the scatter like the mean.
 TRIAL, LARGEST = 1e-3, 0.5
+#: Of data that a check cannot read.
+UNREADABLE = (ValueError, ArithmeticError, LookupError, UsageError)
 #: How exactly the deviation is injected, as a share of it.
 EXACT = 0.01
 #: Observables (..., N, d) of N particles.
@@ -50,10 +52,17 @@ def _of_half(x: np.ndarray, epsilon: float) -> np.ndarray:
     return x * factors
 
 
+def _of_first(x: np.ndarray, epsilon: float) -> np.ndarray:
+    changed = x.copy()
+    changed[..., 0] *= 1 + epsilon
+    return changed
+
+
 #: Alterations: name, and what becomes of an array x.
 ALTERATIONS: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "times 1 + e": lambda x, e: x * (1 + e),
     "of half of the particles times 1 + e": _of_half,
+    "first component times 1 + e": _of_first,
     "plus e rms": lambda x, e: x + e * np.sqrt(np.mean(x**2)),
     "to the power 1 + e": lambda x, e: np.sign(x) * np.abs(x) ** (1 + e),
 }
@@ -121,16 +130,18 @@ def statistical_ones(found: Findings) -> dict[int, Judgement]:
 def alterations(runs: Sequence[tuple[str, Run]], engine: str) -> Iterator[list[Alteration]]:
     """Those of all observables, by kind, the simplest kinds first."""
     names = sorted({name for other, run in runs if other == engine for name in run} - {"time"})
-    scaled, halved, shifted, power = ALTERATIONS
+    scaled, halved, first, shifted, power = ALTERATIONS
     yield [Alteration(name, scaled) for name in names]
     yield [Alteration(name, halved) for name in names if name in OF_PARTICLES]
+    yield [Alteration(name, first) for name in names]
     yield [Alteration(name, shifted) for name in names]
     yield [Alteration(name, scaled, number) for name in names for number in range(min(len(runs), 3))]
     yield [Alteration(name, power) for name in names]
+    yield [Alteration("time", scaled)]
 
 
 class Answer(NamedTuple):
-    """To an alteration: slope, the change of the measured number over epsilon."""
+    """To an alteration: slope, the change of the measured number, less what is expected, over epsilon."""
 
     alteration: Alteration
     slope: float
@@ -147,19 +158,19 @@ def moving(run: Judged, index: int, size: float) -> Iterator[Answer]:
         for one in several:
             try:
                 moved = laboratory.judged(judge, one, TRIAL)
-            except (ValueError, ArithmeticError, LookupError, UsageError):  # data that the check cannot read
+            except UNREADABLE:
                 continue
             if len(moved.judgements) == len(still.judgements):
-                change = (measured(moved, index) - measured(still, index)) / TRIAL
+                change = (off(moved, index) - off(still, index)) / TRIAL
                 answers.append(Answer(one, float(np.nan_to_num(change))))
         strong = [answer for answer in answers if abs(answer.slope) * LARGEST > size]
         yield from sorted(strong, key=lambda answer: -abs(answer.slope))
 
 
-def measured(found: Findings, index: int) -> float:
-    """The measured number of a judgement; NaN: none."""
-    value = found.judgements[index].measured
-    return np.nan if value is None else value
+def off(found: Findings, index: int) -> float:
+    """The measured number of a judgement less what is expected, which may depend on the data too; NaN: none."""
+    one = found.judgements[index]
+    return np.nan if one.measured is None or one.expected is None else one.measured - one.expected
 
 
 def deviation(judged: Sequence[Judgement]) -> float:
@@ -192,20 +203,23 @@ class Seen(NamedTuple):
 def injected(runs: Sequence[Judged], index: int, answer: Answer, side: int) -> Seen | None:
     """Judges the altered runs: two of each seed, one after the other; index: of the judgement; side: 1 or -1.
 
-    None where the check ends before it comes to that judgement, since what it looks at first is red.
+    None where the check ends before it comes to that judgement, since what it looks at first is red or unreadable.
     """
     ones = [run.still.judgements[index] for run in runs]
     size = deviation(ones)
-    wanted = float(np.mean([one.expected for one in ones])) + side * size
-    start = float(np.mean([measured(run.still, index) for run in runs]))
+    wanted = side * size
+    start = float(np.mean([off(run.still, index) for run in runs]))
     epsilon = (wanted - start) / answer.slope
     for _ in range(4):  # the answer is not quite linear, and not the same in all runs
         found = []
         for run in runs:
-            found.append(run.laboratory.judged(run.judge, answer.alteration, epsilon))
+            try:
+                found.append(run.laboratory.judged(run.judge, answer.alteration, epsilon))
+            except UNREADABLE:
+                return None
             if len(found[-1].judgements) < len(run.still.judgements):
                 return None
-        moved = float(np.mean([measured(one, index) for one in found]))
+        moved = float(np.mean([off(one, index) for one in found]))
         if abs(moved - wanted) < EXACT * size:
             break
         epsilon *= (wanted - start) / (moved - start)

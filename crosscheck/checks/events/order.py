@@ -82,6 +82,21 @@ def _rows() -> Scene:
     )
 
 
+def _late() -> Scene:
+    """A row of three that is hit from both ends at once, early in a run of a hundred later events."""
+    return Scene(
+        name="late",
+        dimension=2,
+        duration=1300.0,
+        hard_spheres=HardSpheres(diameter=1.0),
+        box=Box(lengths=(61.3, 3.0), boundaries=("hard", "hard")),
+        initial=explicit(
+            np.array([[4.0, 1.5], [6.5, 1.5], [9.0, 1.5]]), np.array([[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]])
+        ),
+        output=Output(interval=1300.0, trace=True),
+    )
+
+
 def _counted(run: Run, number: int) -> tuple[int, float]:
     """Events of the trace in which one of `number` particles had another one, with another partner, at the same time.
 
@@ -138,7 +153,7 @@ CHECKS = (
         criterion="as many as the trace has, the first at its time; none where there are none",
         citation="Lubachevsky, J. Comput. Phys. 94, 255 (1991)",
         judge=_judge,
-        variants=variants_of({"ring": _ring(), "wall": _beside_a_wall(), "rows": _rows()}),
+        variants=variants_of({"ring": _ring(), "wall": _beside_a_wall(), "rows": _rows(), "late": _late()}),
         needs=replace(
             event_driven(
                 "dimension=2 box.boundaries=hard hard_spheres.diameter[] masses[]", "event_times event_partners"

@@ -138,7 +138,7 @@ def _cluster_error(run: Run) -> float:
 def _cluster_steps(claims: Claims) -> Floats:
     nominal = claims.order[0] if claims.order else 2
     # few and coarse: ASE takes milliseconds a step
-    return np.asarray((256.0 if nominal == 1 and not claims.symplectic else 64.0) * 2.0 ** np.arange(4))
+    return np.asarray((256.0 if nominal == 1 and not claims.symplectic else 32.0) * 2.0 ** np.arange(4))
 
 
 PROBLEMS = (

@@ -49,6 +49,8 @@ _DISKS = _Fluid(2, 0.7, 2.5, 1.5, {"pair_tests": 132544, "list_builds": 2, "list
 _LAYER = _Fluid(
     2, 0.7, 1.6, 1.5, {"pair_tests": 66736, "list_builds": 2, "list_prunings": 8, "list_tests": 15736}, True
 )
+# a side of little more than the cutoff: lists reach as far as elsewhere, to further images
+_SHORT = _Fluid(2, 0.7, 4.7, 1.5, {"list_builds": 2, "list_tests": 16328}, number=16)
 # wide columns of cells: how finely they are cut says how much is looked at beyond the reach of a list
 _DILUTE = _Fluid(2, 0.03, 1.12, 10.0, {"list_builds": 8, "list_tests": 35624}, number=225)
 _SPHERES = _Fluid(3, 0.5, 1.6, 6.0, {"pair_tests": 147848, "list_builds": 5, "list_prunings": 16, "list_tests": 138400})
@@ -100,8 +102,8 @@ def _judge_fluid(laboratory: Laboratory, fluid: _Fluid) -> Judged:
         exactly("evaluations of the force", cost.evaluations, _STEPS + 1),
         at_most("lists made, over steps", builds / _STEPS, 0.2, "a list is good for several steps"),
         at_most(
-            "distances for a list, over those of all pairs",
-            counted(cost, "list_tests") / (builds * fluid.number**2),
+            "distances each time a list is made or pruned, over those of all pairs",
+            counted(cost, "list_tests") / ((builds + (cost.list_prunings or 0)) * fluid.number**2),
             2.0 * (1 + 2 * (fluid.cutoff + 1.0) / box) ** fluid.dimension,
             "the box and its images within the cutoff and a skin as large as sigma, at most, from both sides",
         ),
@@ -140,6 +142,7 @@ CHECKS = (
             Variant("schemes", _judge_schemes, needs=_needs(2)),
             Variant("fluid", partial(_judge_fluid, fluid=_DISKS), needs=_needs(2)),
             Variant("dilute", partial(_judge_fluid, fluid=_DILUTE), needs=_needs(2)),
+            Variant("short-box", partial(_judge_fluid, fluid=_SHORT), needs=_needs(2)),
             Variant("layer", partial(_judge_fluid, fluid=_LAYER), needs=_needs(2, "box.boundaries=open")),
             Variant("fluid-in-space", partial(_judge_fluid, fluid=_SPHERES), needs=_needs(3)),
         ),
