@@ -18,6 +18,8 @@ from crosscheck.verdict import SEEN, SUSPICIOUS, Judged, round_off, statistical,
 SEEDS, SAMPLES = 200, 25
 #: Large, so that a deviation which is seen is a small share of it.
 MIDDLE = 300.0
+#: Of the mean, to be injected.
+DEVIATION = 1.0
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +59,7 @@ def test_sensitivities_are_seen_as_often_as_stated_if_errors_are_right(
 ) -> None:
     """By the noncentral t distribution, also where errors are given too small."""
     judged = runs(benchmark_module, mean_of(scale, doubt))
-    answer = next(benchmark_module.moving(judged[0], 0, MIDDLE))
+    answer = next(benchmark_module.moving(judged[0], 0, DEVIATION))
     assert answer.alteration == benchmark_module.Alteration("x", "times 1 + e")
     assert answer.slope == pytest.approx(MIDDLE, rel=0.01)
     up, down = (benchmark_module.injected(judged, 0, answer, side) for side in (1, -1))
@@ -79,6 +81,27 @@ def test_what_cannot_be_moved_is_said(benchmark_module: Any) -> None:
     assert list(benchmark_module.moving(judged[0], 0, 1.0)) == []
 
 
+def test_what_is_expected_of_the_same_data_moves_with_them(benchmark_module: Any) -> None:
+    """A share of the first component: it moves with that alone, and nothing larger than it can be injected."""
+
+    def share(laboratory: Any) -> Judged:
+        x = laboratory.run(None, "event_driven")["x"].reshape(-1, 5)
+        return statistical("x", float(x[:, 0].mean()), 1.0, float(x.mean()), 0.0, "why", samples=SAMPLES)
+
+    judged = runs(benchmark_module, lambda laboratory: lambda: share(laboratory))[0]
+    judged.laboratory.kept[0][1]["x"] = judged.laboratory.kept[0][1]["x"].reshape(-1, 5)
+    answer = next(benchmark_module.moving(judged, 0, DEVIATION))
+    assert answer.alteration == benchmark_module.Alteration("x", "first component times 1 + e")
+    assert answer.slope == pytest.approx(0.8 * MIDDLE, rel=0.01)
+    assert list(benchmark_module.moving(judged, 0, MIDDLE)) == []
+
+
+def test_half_of_the_particles(benchmark_module: Any) -> None:
+    change = benchmark_module.Alteration("velocities", "of half of the particles times 1 + e")
+    run = change.apply(Run(velocities=np.ones((2, 4, 3))), 0, 0.5)
+    assert run["velocities"].tolist() == [[[1.5] * 3] * 2 + [[1.0] * 3] * 2] * 2
+
+
 def test_a_check_that_ends_before_the_judgement_sees_nothing(benchmark_module: Any) -> None:
     def stopping(laboratory: Any) -> Judged:
         x = laboratory.run(None, "event_driven")["x"]
@@ -87,7 +110,7 @@ def test_a_check_that_ends_before_the_judgement_sees_nothing(benchmark_module: A
         return kept if kept.outcome == "fail" else worst([kept, mean])
 
     judged = runs(benchmark_module, lambda laboratory: lambda: stopping(laboratory))
-    answer = next(benchmark_module.moving(judged[0], 1, MIDDLE))
+    answer = next(benchmark_module.moving(judged[0], 1, DEVIATION))
     assert benchmark_module.injected(judged, 1, answer, 1) is None
 
 

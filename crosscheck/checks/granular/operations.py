@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -27,7 +28,7 @@ class _Case(NamedTuple):
     """scene: of soft grains. known: counts of `refimpl`."""
 
     scene: Scene
-    known: dict[str, float]
+    known: Mapping[str, float]
 
 
 def _scene(open_: bool) -> Scene:
