@@ -117,7 +117,9 @@ def _judged(laboratory: Laboratory, scheme: str, name: str, crowd: _Crowd) -> Ju
             counts.append(abs(run["collisions"][k + 1] - run["collisions"][k] - moved.impulses))
     energy = 0.5 * np.einsum("n,snd->s", state.masses, run["velocities"] ** 2)
     judged_energy = float(np.abs(run["kinetic_energy"] / energy - 1).max())
-    start = max(_share(x[0] - state.positions, _rounding(x[:1]) * 4), _share(v[0] - state.velocities, 4 * EPSILON))
+    start = max(
+        _share(x[0] - state.positions, 4 * _rounding(x[0])), _share(v[0] - state.velocities, 4 * _rounding(v[0]))
+    )
     why = "64 roundings of a coordinate, and of a normal, over the steps between two samples"
     return worst(
         [

@@ -100,11 +100,11 @@ def _judge_grazing(laboratory: Laboratory) -> Judged:
             wrong += int(run["collisions"][-1] != hit)
             if impact is not None and run["collisions"][-1] == 1:
                 rounding = _ROUNDINGS * EPSILON * side
-                deviation = max(deviation, _contact_error(run, velocities[1]) / rounding)
+                deviation = float(np.maximum(deviation, _contact_error(run, velocities[1]) / rounding))
                 if aim == 0.6:  # a grazing hit deflects by the root of its depth
                     _, expected = after_impact(impact, *velocities.tolist())
                     error = np.linalg.norm(run["final_velocities"][1] - expected)
-                    deflection = max(deflection, float(error) / rounding)
+                    deflection = float(np.maximum(deflection, error / rounding))
     return worst(
         [
             bounded(
