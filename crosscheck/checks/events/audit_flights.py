@@ -73,9 +73,9 @@ def _gaps(walls: _Walls, middle: Floats, x: Floats, v: Floats, times: Floats) ->
 def _chosen(walls: _Walls, draw: Callable[[int], tuple[Floats, Floats]], middle: Floats) -> tuple[Floats, Floats]:
     """Starts of flights whose first approach to the wall comes to an end near it, or of any where they bounce."""
     times = np.linspace(0.0, _DURATION, _PLACES)
-    starts: list[tuple[Floats, Floats]] = []
-    found = 0
-    while found < _NUMBER:
+    places: list[Floats] = []
+    velocities: list[Floats] = []
+    while len(places) < _NUMBER:
         x, v = draw(2000)
         gaps = _gaps(walls, middle, x, v, times)
         turns = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
@@ -83,10 +83,11 @@ def _chosen(walls: _Walls, draw: Callable[[int], tuple[Floats, Floats]], middle:
         nearest = gaps[np.arange(len(gaps)), first]
         barely = turns.any(axis=1) & (np.abs(nearest) < _BARELY)
         good = (gaps[:, 0] > _BARELY) & (barely | walls.bounce)
-        starts.append((x[good], v[good]))
-        found += int(good.sum())
-    x, v = (np.concatenate(parts)[:_NUMBER] for parts in zip(*starts, strict=True))
-    return x, v
+        for place, velocity in zip(x[good], v[good], strict=True):
+            if len(places) < _NUMBER and all(np.linalg.norm(place - other) > 2 * _DIAMETER for other in places):
+                places.append(place)
+                velocities.append(velocity)
+    return np.array(places), np.array(velocities)
 
 
 def _scene(walls: _Walls, seed: int) -> Scene:
@@ -131,8 +132,9 @@ def _judge(laboratory: Laboratory, draw: _Draw) -> Judged:
     schemes = [name for name, claims in laboratory.claims.items() if claims.kind == EVENT_DRIVEN]
     found = audit(scene, laboratory.run(scene, Method(scheme=schemes[draw.turn % len(schemes)])))
     judgements = in_rounding(found)
-    few = "about half of the flights should reach the wall: what does not happen is not judged"
-    judgements.append(bounded("events", float(found.events), _NUMBER / 2, few, at_least=True, control=True))
+    # 25 +- 3.5 reach it, at least
+    few = "half of the flights reach the wall by chance; what does not happen is not judged"
+    judgements.append(bounded("events", float(found.events), _NUMBER / 5, few, at_least=True, control=True))
     return worst(judgements, f"{found.events} events of {_NUMBER} flights")
 
 

@@ -177,21 +177,24 @@ def _judge_dilute(laboratory: Laboratory) -> Judged:
                 note=f"largest error {errors.max():.2g} diameters",
             ),
             round_off(
-                f"n = {density:g}: error of the contact distance in the virial",
-                float(np.abs(_virial_distances(run) - 1.0).max()),
-                _ROUNDINGS * EPSILON * float(lengths[0]),
-                _WHY,
+                f"n = {density:g}: error of the contact distance in the virial, in units of its rounding",
+                _virial_error(run, _ROUNDINGS * EPSILON * float(lengths[0])),
+                1.0,
+                f"{_WHY}; and of velocities and of the sum, over the momentum exchanged",
             ),
         ]
     return worst(judged, "108 spheres")
 
 
-def _virial_distances(run: Run) -> Floats:
-    """The pair's virial over the momentum exchanged, at each collision of spheres of mass 1; the run samples all."""
-    virials = np.diff(run["collisional_virial"])
-    exchanged = np.linalg.norm(np.diff(run["velocities"], axis=0), axis=2).max(axis=1)
-    distances: Floats = virials / exchanged
-    return distances
+def _virial_error(run: Run, rounding: float) -> float:
+    """Largest error of the pair's virial over the momentum exchanged, less 1, over its rounding.
+
+    run: samples each collision, of spheres of mass and diameter 1. rounding: of a contact distance.
+    """
+    total, velocities = run["collisional_virial"], run["velocities"]
+    exchanged = np.linalg.norm(np.diff(velocities, axis=0), axis=2).max(axis=1)
+    bound = rounding + EPSILON * (4 * np.abs(velocities).max() + np.abs(total).max()) / exchanged
+    return float(np.max(np.abs(np.diff(total) / exchanged - 1.0) / bound))
 
 
 def _nearest(positions: Floats, lengths: Floats) -> float:
