@@ -29,8 +29,8 @@ class _Crowd(NamedTuple):
 
     grid: their number along each axis. spacing: of the grid, length. periodic: in a box of that size, in which they
     begin anywhere, in other boxes too; otherwise without one, and flying to the middle. point: whether the first has
-    no size. restitution. dt: time. fast: speed of the last one along x; it is light, so that the others stay slow.
-    None: it is like the others.
+    no size. restitution: of all pairs. dt: time. fast: speed of the last one along x; it is light, so that the others
+    stay slow. None: it is like the others.
     """
 
     grid: tuple[int, ...]
