@@ -23,7 +23,8 @@ time since the last one. Then its component along n is taken off; where xi makes
 becomes the stretch that gives this F_t. A dashpot beyond the limit exerts nothing as long as xi = 0. Contacts that are
 "turned first" (those of the general pair style of LAMMPS, for unlike masses or "hertz"; see `turned_first`) have xi
 turned into the tangential plane, at its length, before it grows; the arms of their pairs are A = R - delta/2, and a
-component along n whose spring force is below 1e-10 of the limit is left.
+component along n whose spring force is below 1e-10 of the limit is left. A code may turn the stretches of its walls so
+whatever its pairs do: at a plane this is the same, at a cylinder it is not.
 
 The steps are those of velocity Verlet: v_h = v + a dt/2, r' = r + v_h dt, v' = v_h + a' dt/2, with a' of r', of v_h
 and of the spins at the half-step. `audit` computes each step from the recorded state before it, so errors do not grow:
@@ -155,12 +156,14 @@ class _Wall(NamedTuple):
 class Contacts:
     """All contacts of a scene that may be, with the stretches of their tangential springs.
 
-    scene: hard spheres. contact: of the method. stretches: (contacts, 3), 0 at first; pairs i < j in order, then all
-    grains at each wall, then at the cylinder. slid: contacts at Coulomb's limit, summed over all evaluations.
+    scene: hard spheres. contact: of the method. turned_at_walls: stretches at walls are turned before they grow, also
+    where those of pairs are not. stretches: (contacts, 3), 0 at first; pairs i < j in order, then all grains at each
+    wall, then at the cylinder. slid: contacts at Coulomb's limit, summed over all evaluations.
     """
 
     scene: Scene
     contact: Contact
+    turned_at_walls: bool = False
     stretches: Floats = dataclasses.field(init=False)
     slid: int = dataclasses.field(init=False)
 
@@ -207,7 +210,8 @@ class Contacts:
         self._r_i, self._r_j = r_i, r_j
         self._mass = 1 / (1 / m_i + 1 / m_j)
         self._radius = np.where(self._of_pairs, r_i * r_j / (r_i + r_j), r_i)
-        self._turned_first = turned_first(scene, contact)
+        self._turned_first = np.full(r_i.size, turned_first(scene, contact))
+        self._turned_first |= self.turned_at_walls & ~self._of_pairs
         self.stretches = np.zeros((r_i.size, 3))
         self.slid = 0
 
@@ -347,17 +351,17 @@ class Contacts:
         if self.contact.friction == "dashpot":
             self.slid += int((rough & (np.linalg.norm(dashpot, axis=1) > limit)).sum())
             return np.where(rough[:, None], _cut(-dashpot, limit), 0.0)
-        if self._turned_first and elapsed != 0.0:
+        if elapsed != 0.0 and self._turned_first.any():
             along, length = (xi * n).sum(axis=1), np.linalg.norm(xi, axis=1)
             flat = xi - along[:, None] * n
             after = np.linalg.norm(flat, axis=1)
             turned = flat * np.divide(length, after, out=np.zeros_like(after), where=after > 0)[:, None]
             least = np.where(np.isfinite(mu), _SLIGHT * limit, 0.0)
-            xi = np.where((abs(along) * k_t > least)[:, None], turned, xi)
+            xi = np.where((self._turned_first & (abs(along) * k_t > least))[:, None], turned, xi)
         xi = np.where(rough[:, None], xi + elapsed * u, 0.0)
         begun = np.asarray(xi.any(axis=1))
-        if not self._turned_first and elapsed != 0.0:
-            xi = xi - (xi * n).sum(axis=1)[:, None] * n
+        if elapsed != 0.0 and not self._turned_first.all():
+            xi = np.where(self._turned_first[:, None], xi, xi - (xi * n).sum(axis=1)[:, None] * n)
         free = -k_t[:, None] * xi - dashpot
         beyond = rough & (np.linalg.norm(free, axis=1) > limit)
         f_t = np.where(beyond[:, None], _cut(free, limit) * begun[:, None], free)
@@ -468,15 +472,19 @@ def _spins(run: Mapping[str, Floats], name: str, shape: tuple[int, ...]) -> Floa
     return wide
 
 
-def audit(scene: Scene, contact: Contact, dt: float, run: Mapping[str, Floats]) -> Audited:
+def audit(
+    scene: Scene, contact: Contact, dt: float, run: Mapping[str, Floats], turned_at_walls: bool = False
+) -> Audited:
     """Every step of a run, computed from the recorded state before it, and every sum over the run.
 
     scene: hard spheres, recorded at each step with its trajectory. contact: of the method. dt: time step, time. run:
-    arrays by the names of observables; those that the scene asks for are judged. The rounding of a step is that of its
-    coordinates (size of the largest one, on which overlaps depend), times the steepest force where they make a
-    velocity; a stretch adds up that of all steps before. ValueError if the run does not hold every step.
+    arrays by the names of observables; those that the scene asks for are judged. turned_at_walls: see `Contacts`.
+    ValueError if the run does not hold every step.
+
+    The rounding of a step is that of its coordinates (size of the largest one, on which overlaps depend), times the
+    steepest force where they make a velocity; a stretch adds up that of all steps before.
     """
-    contacts, found = Contacts(scene, contact), _Largest()
+    contacts, found = Contacts(scene, contact, turned_at_walls), _Largest()
     state = scene.initial_state(contact)
     r, v = _padded(run["positions"]), _padded(run["velocities"])
     w = _spins(run, "angular_velocities", r.shape)

@@ -6,11 +6,13 @@ Literature: P. A. Cundall and O. D. L. Strack, Geotechnique 29, 47 (1979); L. E.
 
 from __future__ import annotations
 
-from functools import cache
-from typing import Any
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache, partial
+from typing import NamedTuple
 
 from crosscheck.checks.base import Check, FeatureRows, Laboratory, Variant
-from crosscheck.checks.granular.audited_scenes import RULES, audited_method, audited_scene, simple
+from crosscheck.checks.granular.audited_scenes import COMMON_RULES, RULES, audited_method, audited_scene, common, simple
 from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
@@ -59,16 +61,25 @@ def simple_rows() -> tuple[list[Row], set[Pair]]:
     return covering(fewer, RULES)
 
 
+@cache
+def common_rows() -> tuple[list[Row], set[Pair]]:
+    """Rows for codes that measure no potential energy, but have all contact laws, walls and cylinders."""
+    fewer = {name: common(name, levels) for name, levels in FACTORS.items()}
+    return covering(fewer, COMMON_RULES)
+
+
 def _named(row: Row) -> str:
     """The features of a row that are not absent."""
     return ", ".join(f"{name} {level}" for name, level in row.items() if level != FACTORS[name][0])
 
 
-def _judge_row(laboratory: Laboratory, name: str, row: Row, potential: bool) -> tuple[Judgement, Audited]:
+def _judge_row(
+    laboratory: Laboratory, name: str, row: Row, potential: bool, turned_at_walls: bool
+) -> tuple[Judgement, Audited]:
     scene, method = audited_scene(row, laboratory.seed(name), potential), audited_method(row)
     assert method.contact is not None
     run = laboratory.run(scene, method)
-    found = audit(scene, method.contact, method.step, run)
+    found = audit(scene, method.contact, method.step, run, turned_at_walls)
     quantity, worst_of = found.worst
     note = (
         f"{name} ({_named(row)}): {quantity} of sample {worst_of.sample} off by {worst_of.error:.3g}, "
@@ -77,11 +88,17 @@ def _judge_row(laboratory: Laboratory, name: str, row: Row, potential: bool) -> 
     return round_off(f"{name}: largest error over its rounding", worst_of.share, 1.0, _WHY, note=note), found
 
 
-def _judge(laboratory: Laboratory, value: tuple[int, int] | None) -> Judged:
-    """value: seed of the rows and number of the chunk; None: the simple rows."""
-    table = simple_rows()[0] if value is None else rows(value[0])[0]
-    chunk = list(enumerate(table)) if value is None else list(enumerate(table))[value[1] :: _CHUNKS]
-    judged = [_judge_row(laboratory, f"row {i}", row, value is not None) for i, row in chunk]
+class _Rows(NamedTuple):
+    """Rows that one variant judges, by their numbers; what `audited_scene` and `audit` are told of them."""
+
+    rows: Callable[[], list[tuple[int, Row]]]
+    potential: bool = False
+    turned_at_walls: bool = False
+
+
+def _judge(laboratory: Laboratory, value: _Rows) -> Judged:
+    chunk = value.rows()
+    judged = [_judge_row(laboratory, f"row {i}", row, value.potential, value.turned_at_walls) for i, row in chunk]
     audits = [found for _, found in judged]
     rough = [found for (_, row), found in zip(chunk, audits, strict=True) if "limited" in row["friction"]]
     events = {
@@ -109,11 +126,12 @@ _WORDS = """
     method.contact.friction=dashpot method.contact.k_n method.contact.k_t method.contact.gamma_n method.contact.gamma_t
     method.contact.mu
 """
-_ALL_WORDS = f"""{_WORDS}
-    hard_spheres.friction.inertia box.cylinder box.cylinder.axis=x box.cylinder.axis=y box.cylinder.axis=z
+_COMMON_WORDS = f"""{_WORDS}
+    box.cylinder box.cylinder.axis=x box.cylinder.axis=y box.cylinder.axis=z
     box.cylinder.angular_velocity box.cylinder.restitution box.cylinder.friction box.cylinder.friction.static
     box.cylinder.friction.sliding method.contact.duration method.contact.law=hertz method.contact.E method.contact.nu
 """
+_ALL_WORDS = f"{_COMMON_WORDS} hard_spheres.friction.inertia"
 _TALLIES = "kinetic_energy rotational_energy contact_time collisional_virial wall_impulse"
 
 
@@ -123,15 +141,30 @@ def _needs(words: str, observables: str) -> Needs:
     return Needs(needs.interaction, needs.kinds, needs.words, needs.observables, ("velocity_verlet",))
 
 
+def _numbered(table: Callable[[], tuple[list[Row], set[Pair]]]) -> list[tuple[int, Row]]:
+    return list(enumerate(table()[0]))
+
+
+def _chunk(seed: int, number: int) -> list[tuple[int, Row]]:
+    return list(enumerate(rows(seed)[0]))[number::_CHUNKS]
+
+
 def _variants() -> tuple[Variant, ...]:
-    everything: Any = _needs(_ALL_WORDS, "potential_energy wall_torque")
+    everything = _needs(_ALL_WORDS, "potential_energy wall_torque")
+    common = replace(_needs(_COMMON_WORDS, "wall_torque"), promises=("springs_turned_at_walls",))
     return (
         *(
-            Variant(f"rows-{seed * _CHUNKS + chunk}", (seed, chunk), "full" if seed else "quick", everything)
+            Variant(
+                f"rows-{seed * _CHUNKS + number}",
+                _Rows(partial(_chunk, seed, number), potential=True),
+                "full" if seed else "quick",
+                everything,
+            )
             for seed in _SEEDS
-            for chunk in range(_CHUNKS)
+            for number in range(_CHUNKS)
         ),
-        Variant("simple-rows", None),
+        Variant("simple-rows", _Rows(partial(_numbered, simple_rows))),
+        Variant("common-rows", _Rows(partial(_numbered, common_rows), turned_at_walls=True), needs=common),
     )
 
 

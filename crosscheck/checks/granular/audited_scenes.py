@@ -35,7 +35,7 @@ _STIFFNESS = float(np.pi**2 / 2 / _CONTACT**2)
 #: Of "hertz", about as stiff at an overlap of 0.05 of the radius 0.5.
 _HERTZ = 8.0 * _STIFFNESS
 _RATE, _HERTZ_RATE = 6.0, 50.0
-_WALLS = ("walls", "lower oscillates", "upper oscillates")
+_WALLS = ("walls", "lower oscillates", "upper oscillates", "lower swings", "upper swings")
 
 
 _OWN = ("own hooke", "own hertz", "moduli")
@@ -99,6 +99,35 @@ def simple(factor: str, levels: tuple[str, ...]) -> tuple[str, ...]:
     return fewer.get(factor, levels)
 
 
+def common(factor: str, levels: tuple[str, ...]) -> tuple[str, ...]:
+    """The levels of a factor in the rows for codes whose walls turn tangential springs, as LAMMPS's do.
+
+    Friction has limits, see `simple`. Walls begin to swing where they stand still: LAMMPS moves others by their mean
+    velocity over a step. Moments of inertia are those of balls and disks.
+    """
+    fewer = {
+        "friction": ("none", "limited spring", "limited dashpot"),
+        "x": ("open", "periodic", "lower swings"),
+        "y": ("open", "walls", "upper swings"),
+        "z": ("open", "walls", "lower swings"),
+        "inertia": ("default",),
+        "start": ("apart", "in contact", "in other images"),
+        "motion": ("slow",),
+        "crowd": ("compact", "long in y"),
+        "grains": ("alike", "unlike masses and sizes"),
+        "field": ("none", "oblique"),
+        "tallies": ("none", "all", "kinetic_energy", "contact_time"),
+    }
+    return fewer.get(factor, levels)
+
+
+#: What the rows of `common` must obey too: at a cylinder, R_eff of LAMMPS has the curvature of the wall.
+COMMON_RULES: tuple[Rule, ...] = (
+    *RULES,
+    lambda row: row["cylinder"] == "none" or row["law"] not in ("hertz", "own hertz", "moduli"),
+)
+
+
 def audited_method(row: Row) -> Method:
     """Velocity Verlet with the contact of a row, without friction's words where there is none."""
     law, friction, damping = row["law"], row["friction"], row["damping"]
@@ -157,6 +186,8 @@ def _face(row: Row, axis: int, upper: bool) -> Face:
     if level == ("upper oscillates" if upper else "lower oscillates"):
         moves = Oscillation(amplitude=0.06, frequency=9.0 + 2 * axis, phase=0.7 - 1.3 * upper + 0.4 * axis)
         surface["oscillation"] = moves
+    if level == ("upper swings" if upper else "lower swings"):
+        surface["oscillation"] = Oscillation(amplitude=0.05, frequency=11.0 - axis, phase=np.pi * (axis != upper))
     return Face(**surface)
 
 
@@ -281,6 +312,8 @@ def _start(row: Row, rng: np.random.Generator, places: Floats, velocities: Float
 def _observables(row: Row, potential: bool, cylinder: bool) -> tuple[str, ...]:
     if row["tallies"] == "none":
         return ()
+    if row["tallies"] in ("kinetic_energy", "contact_time"):
+        return (row["tallies"],)
     names = ["kinetic_energy", "contact_time", "collisional_virial", "wall_impulse"]
     names += ["rotational_energy"] if row["friction"] != "none" else []
     names += ["potential_energy"] if potential else []

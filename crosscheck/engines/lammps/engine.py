@@ -71,8 +71,8 @@ class LammpsEngine:
             """,
         ),
     )
-    #: Thousands of steps of some hundred particles take seconds.
-    promises = ("long_runs",)
+    #: Thousands of steps of some hundred particles take seconds; walls are granular ones throughout.
+    promises = ("long_runs", "springs_turned_at_walls")
 
     def version(self) -> str:
         return f"{load().__version__} (MPI from {preload_mpi()})"

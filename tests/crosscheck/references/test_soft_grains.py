@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from crosscheck.references.soft_grains import Contacts, audit, turned_first
 from crosscheck.references.soft_impact import SoftContact, soft_impact
 from crosscheck.scene import Contact, Scene
-from crosscheck.scene.parts import Box, Explicit, Face, Friction, GrainFriction, HardSpheres, Output
+from crosscheck.scene.parts import Box, Cylinder, Explicit, Face, Friction, GrainFriction, HardSpheres, Output
 
 MASSES, DIAMETERS = (0.7, 1.9, 1.2), (1.0, 0.8, 0.8)
 
@@ -172,3 +172,26 @@ def test_friction_of_a_face_is_its_own() -> None:
     assert (spins[0].walls[0, 1:] == 0).all()
     assert (spins[1].walls[0, 1:] != 0).all()
     assert spins[0].walls[0, 0] == spins[1].walls[0, 0] < 0
+
+
+@pytest.mark.parametrize("curved", [False, True])
+def test_when_springs_turn_matters_at_curved_walls_alone(curved: bool) -> None:
+    rough = Friction(tangential_restitution=-0.4, static=0.5, sliding=0.5)
+    box = Box(lengths=(4.0, 4.0, 4.0), boundaries=("open", "hard", "open"), faces={"y-": Face(friction=rough)})
+    if curved:
+        cylinder = Cylinder(radius=1.5, axis="z", friction=rough)
+        box = Box(lengths=(4.0, 4.0, 4.0), boundaries=("open",) * 3, cylinder=cylinder)
+    scene = _scene(box, masses=1.0)
+    after = []
+    for turned in (False, True):
+        contacts = Contacts(scene, CONTACTS[0], turned)
+        for step in range(20):
+            # one grain slides along the wall, the others are far from all
+            angle = 0.05 * step
+            place = [2 - 1.1 * math.cos(angle), 2 + 1.1 * math.sin(angle), 2.0] if curved else [2.0 + angle, 0.45, 2.0]
+            velocity = [math.sin(angle), math.cos(angle), 0.3] if curved else [1.0, 0.0, 0.3]
+            r = np.array([place, [2.3, 2.0, 5.0], [2.3, 2.0, 9.0]])
+            now = contacts.evaluate(r, np.array([velocity, [0.0] * 3, [0.0] * 3]), np.zeros((3, 3)), 0.0, 0.01)
+        assert now.touching.sum() == 1
+        after.append(now.a[0])
+    assert np.allclose(*after, rtol=1e-12, atol=0) is not curved

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from crosscheck.checks.granular.audit import FACTORS, rows, simple_rows
+from crosscheck.checks.granular.audit import FACTORS, common_rows, rows, simple_rows
 from crosscheck.checks.granular.audited_scenes import audited_method, audited_scene, possible
 from crosscheck.pairs import pairs_of
 from crosscheck.references.soft_grains import audit
@@ -77,7 +77,7 @@ def test_rows_have_every_pair_that_is_possible() -> None:
 
 
 def test_all_rows_make_scenes() -> None:
-    for table, potential in ((rows()[0], True), (simple_rows()[0], False)):
+    for table, potential in ((rows()[0], True), (simple_rows()[0], False), (common_rows()[0], False)):
         for row in table:
             scene, method = audited_scene(row, 1, potential), audited_method(row)
             scene.initial_state(method.contact)
