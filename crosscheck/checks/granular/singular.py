@@ -72,11 +72,11 @@ CHECKS = (
             (
                 "last-of-many",
                 Fault(
-                    "lost-by-two-comparisons",
+                    "no-push-in-one-place",
                     CONTACTS,
-                    "        if not -LOST <= r[k] <= LOST:\n            return DIVERGED\n    # the pairs",
-                    "        if r[k] < -LOST or r[k] > LOST:\n            return DIVERGED\n    # the pairs",
-                    "a coordinate that is no number is not beyond any bound: the run goes on to its end",
+                    "            n[k] = x / distance",
+                    "            n[k] = x / max(distance, 1e-300)",
+                    "grains in one place push each other nowhere, and pass through each other",
                 ),
             ),
         ),

@@ -161,11 +161,12 @@ CHECKS = (
             (
                 "elastic",
                 Fault(
-                    "divergence-not-said",
-                    "stepping/integrate.py",
-                    "diverged = outcome == DIVERGED or not bool(np.isfinite(r).all() and np.isfinite(v).all())",
-                    "diverged = False",
-                    "a run that ends for its numbers are too large does not say so",
+                    "no-overlap-above-the-radius",
+                    CONTACTS,
+                    "            delta = radii[i] - sign * (r[d * i + axis] - place)\n            if delta <= 0.0:",
+                    "            delta = min(radii[i] - sign * (r[d * i + axis] - place), radii[i])\n"
+                    "            if delta <= 0.0:",
+                    "walls push no more than at an overlap of a radius: the motion stays finite",
                 ),
             ),
         ),
