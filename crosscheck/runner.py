@@ -159,10 +159,12 @@ def judge(
     """The verdict of one case.
 
     A case in which statistical judgements alone are red runs again with other random numbers: see `verdict.again`.
-    Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, "fail" if it ended a run early
-    that the check needs whole, else "error". case: what to run. seed: the suite's seed. overlay: a directory with a
-    copy of `refimpl` with a planted fault; None: the installed one. time_limit: seconds that one run of an engine may
-    take. repeat: what is suspicious runs again; else it is red.
+    Exceptions become verdicts: "skip" if the engine is missing or cannot run a scene, "fail" if it promised what the
+    check asks for and refuses its scene, or ended a run early that the check needs whole, else "error".
+
+    case: what to run. seed: the suite's seed. overlay: a directory with a copy of `refimpl` with a planted fault; None:
+    the installed one. time_limit: seconds that one run of an engine may take. repeat: what is suspicious runs again;
+    else it is red.
     """
     check = find(case.check)
     pool = _pool(overlay, time_limit)
@@ -171,6 +173,7 @@ def judge(
     repeated = replace(laboratory, case=f"{case.name}/again")  # the same sum of costs
     started = time.perf_counter()
     found, message, tier = None, "", "quick"
+    variant: Variant | None = None
     try:
         variant = next((one for one in check.offered(schemes) if one.name == case.variant), None)
         if variant is None:
@@ -180,8 +183,15 @@ def judge(
         if repeat and suspicious(found):
             found = again(found, findings(check.judge(repeated, variant.value)))
         outcome = found.outcome
-    except (EngineMissing, Unsupported) as reason:
+    except EngineMissing as reason:
         outcome, message = "skip", str(reason)
+    except Unsupported as refusal:
+        outcome, message = "skip", str(refusal)
+        promises = _promises(check, variant)
+        if promises:
+            why = f"it promises {promises}, in all scenes of the words that it declares"
+            found = findings(bounded("scenes that it refuses", 1.0, 0.0, why, note=message))
+            outcome, message = found.outcome, ""
     except EndedEarly as reason:
         why = "what a part of a run shows says nothing of the whole"
         found = findings(bounded("runs that ended before their time", 1.0, 0.0, why, note=str(reason)))
@@ -192,6 +202,12 @@ def judge(
         outcome, message = "error", f"the check failed: {type(error).__name__}: {error}"
     cost = {"seconds": time.perf_counter() - started, **laboratory.cost.known()}
     return Verdict(check.name, case.variant, case.engine, outcome, found, message, cost, tier)
+
+
+def _promises(check: Check, variant: Variant | None) -> str:
+    """What the check and the variant ask an engine to promise, in one text."""
+    asked = [*check.all_needs, *([variant.needs] if variant is not None and variant.needs is not None else [])]
+    return ", ".join(dict.fromkeys(promise for needs in asked for promise in needs.promises))
 
 
 def _group(case: Case) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crosscheck.checks.base import Check, Laboratory, full, quick, schemes_with
+from crosscheck.checks.base import Check, Laboratory, Variant, full, quick, schemes_with
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Run
 from crosscheck.engines.registry import engine_class
@@ -207,6 +207,19 @@ def test_whatever_goes_wrong_is_a_verdict(
     assert (verdict.outcome, verdict.message) == (outcome, message)
     assert (verdict.findings is None) == (outcome != "pass")
     assert verdict.cost["seconds"] >= 0
+
+
+@pytest.mark.parametrize("by_variant", [False, True])
+def test_what_is_promised_and_refused_is_red(monkeypatch: pytest.MonkeyPatch, by_variant: bool) -> None:
+    promised, plain = Needs("spring", promises=("restarts",)), Needs("spring")
+    variants = (Variant("one", None, needs=promised if by_variant else None),)
+    how = raises(Unsupported("refimpl: too hard"))
+    offer(monkeypatch, check("a/b", how, variants=variants, needs=plain if by_variant else promised))
+    verdict = judge(Case("a/b", "one", "refimpl", False), 0)
+    assert verdict.outcome == "fail"
+    assert verdict.findings is not None
+    assert verdict.findings.note == "refimpl: too hard"
+    assert "promises restarts" in verdict.findings.shown.criterion.why
 
 
 def test_a_case_knows_its_variant_its_claims_and_its_seeds(monkeypatch: pytest.MonkeyPatch) -> None:

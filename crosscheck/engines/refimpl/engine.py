@@ -139,7 +139,10 @@ class RefimplEngine:
     )
     #: Speeds that it is held to, against the peers that the checks name; that thousands of steps of some hundred
     #: particles take seconds; that its kernels run as plain Python too; and that it counts its operations.
-    promises = ("speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "remarks_on_order")
+    promises = (
+        "speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "remarks_on_order",
+        "remarks_on_steps",
+    )  # fmt: skip
 
     def version(self) -> str:
         import numba
