@@ -180,7 +180,7 @@ class Needs:
     environment has NUMBA_DISABLE_JIT, it runs as plain Python, for scenes too small to be worth a compilation;
     "operations": it counts them exactly, in `Cost`; "restarts": it goes on with the same bits, see
     `protocol.Restartable`; "remarks_on_order": it remarks on events at one time whose order decides what follows;
-    "remarks_on_steps": it remarks on soft contacts of less than ten steps;
+    "remarks_on_contacts": it remarks on soft contacts of less than ten steps, and on restitutions that have no use;
     "impulses_after_steps": its searches for collisions do what `crosscheck.references.collision_steps` says;
     "springs_turned_at_walls": tangential springs at walls are turned first, see `crosscheck.references.soft_grains`.
     """

@@ -1,4 +1,7 @@
-"""How long the shortest contact of soft grains is: steps chosen by it, and remarks where it has too few of them."""
+"""How long the shortest contact of soft grains is: steps chosen by it, and remarks where it has too few of them.
+
+And the remark on a restitution that a contact with coefficients of its own does not use.
+"""
 
 from __future__ import annotations
 
@@ -29,19 +32,22 @@ _ENOUGH, _FEW = 10.1, 9.9
 #: Share of the contact that a step may take, and the time between samples and their number.
 _RESOLUTION, _INTERVAL, _SAMPLES = 1 / 17.3, 0.11, 3
 _REMARK = re.compile(r"method\.dt = (\S+) is (\S+) of the shortest contact, (\S+):")
+_UNUSED = "tangential restitution is not used"
 _WHY = "a number is printed with so many digits"
 
 
 class _Contact(NamedTuple):
     """A contact, and the shortest time for which it lasts, or half a period of its tangential spring.
 
-    alpha: restitution of the grains. rough: whether they have friction. resolved: steps are chosen by the contact.
+    alpha, alpha_t: restitutions of the grains; alpha_t = 1: they are smooth. unused: alpha_t is given, and says nothing
+    of the contact. resolved: steps are chosen by the contact.
     """
 
     contact: Contact
     shortest: float
     alpha: float = 1.0
-    rough: bool = False
+    alpha_t: float = 1.0
+    unused: bool = False
     resolved: bool = False
 
 
@@ -64,8 +70,8 @@ def _contacts() -> dict[str, _Contact]:
         "stiffness": _Contact(Contact(stiffness=k), _DURATION, _ALPHA),
         "own": _Contact(Contact(k_n=k), undamped),
         "own-rates": _Contact(Contact(k_n=k, gamma_n=gamma), damped),
-        "own-spring": _Contact(Contact(k_n=k, k_t=3.1 * k), _half_period(3.1 * k), rough=True),
-        "own-soft-spring": _Contact(Contact(k_n=k, k_t=0.2 * k), undamped, rough=True),
+        "own-spring": _Contact(Contact(k_n=k, k_t=3.1 * k), _half_period(3.1 * k), alpha_t=-0.5, unused=True),
+        "own-soft-spring": _Contact(Contact(k_n=k, k_t=0.2 * k), undamped, alpha_t=-1.0),
         "hertz": _Contact(Contact(law="hertz", k_n=_HERTZ_K), hertz.contact_time),
         "resolved-duration": _Contact(Contact(duration=_DURATION), _DURATION, _ALPHA, resolved=True),
         "resolved-stiffness": _Contact(Contact(stiffness=k), _DURATION, _ALPHA, resolved=True),
@@ -77,7 +83,7 @@ _CONTACTS = _contacts()
 
 def _scene(one: _Contact, duration: float, interval: float | None) -> Scene:
     """Three disks that fly apart; what is asked of them are steps and remarks."""
-    friction = GrainFriction(tangential_restitution=-0.5, static=0.3, sliding=0.3) if one.rough else None
+    friction = GrainFriction(tangential_restitution=one.alpha_t, static=0.3, sliding=0.3) if one.alpha_t < 1 else None
     x = np.array([[0.0, 0.0], [3.0, 0.2], [-3.0, 0.4]])
     v = np.array([[0.1, 0.3], _VELOCITY, [-0.2, 0.1]])
     return Scene(
@@ -107,6 +113,8 @@ def _judge_remarks(laboratory: Laboratory, one: _Contact) -> Judged:
         method = Method(scheme="velocity_verlet", dt=dt, contact=one.contact)
         remarks = " ".join(laboratory.run(_scene(one, 3 * dt, None), method).remarks)
         found = _REMARK.search(remarks)
+        unused = f"remarks on a restitution without use, at {steps:g} steps"
+        judgements.append(exactly(unused, float(_UNUSED in remarks), float(one.unused)))
         said = f"remarks at {steps:g} steps in a contact"
         judgements.append(exactly(said, float(found is not None), float(wanted)))
         if found is None or not wanted:
@@ -144,7 +152,7 @@ def _judge(laboratory: Laboratory, one: _Contact) -> Judged:
 
 def _variant(name: str, one: _Contact) -> Variant:
     asked = words(_scene(one, 1.0, 1.0), Method(scheme="velocity_verlet", dt=1.0, contact=one.contact))
-    promises = () if one.resolved else ("remarks_on_steps",)
+    promises = () if one.resolved else ("remarks_on_contacts",)
     return Variant(name, one, needs=replace(soft_needs(), words=asked, promises=promises))
 
 

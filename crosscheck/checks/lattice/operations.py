@@ -16,15 +16,16 @@ _ROWS, _COLUMNS, _STEPS = 6, 70, 5
 def _judge(laboratory: Laboratory, model: str) -> Judged:
     output = Output(interval=_STEPS, observables=("populations",))
     scene = gas_scene("sites", model, _ROWS, _COLUMNS, _STEPS, filled(0.3, laboratory.seed()), output)
+    judgements = []
+    for method in methods_for(laboratory.engine, scene):
+        cost = laboratory.run(scene, method).cost
+        sites = counted(cost, "site_updates")
+        judgements += [
+            exactly(f"{method.scheme}: sites computed", sites, _ROWS * _COLUMNS * _STEPS),
+            exactly(f"{method.scheme}: steps", cost.steps, _STEPS),
+        ]
     return worst(
-        [
-            exactly(
-                f"{method.scheme}: sites computed",
-                counted(laboratory.run(scene, method).cost, "site_updates"),
-                _ROWS * _COLUMNS * _STEPS,
-            )
-            for method in methods_for(laboratory.engine, scene)
-        ],
+        judgements,
         f"{_STEPS} steps of {_ROWS} x {_COLUMNS} sites",
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.checks.base import Check, Laboratory, schemes_with
+from crosscheck.checks.base import Check, Laboratory, Variant, schemes_with
 from crosscheck.checks.stepping.audit import (
     Expected,
     Ledger,
@@ -16,8 +16,9 @@ from crosscheck.checks.stepping.audit import (
 )
 from crosscheck.engines.capabilities import Needs, words
 from crosscheck.faults import Fault
-from crosscheck.scene import Box, LennardJones, Method, Scene, explicit
-from crosscheck.verdict import Judged
+from crosscheck.references import EPSILON
+from crosscheck.scene import Box, LennardJones, Method, Output, Scene, explicit
+from crosscheck.verdict import Judged, round_off, worst
 
 #: Steps of a run, from one sample to the next, and time step: long enough for an engine to bring coordinates back into
 #: the box now and then.
@@ -56,7 +57,60 @@ def _judge(laboratory: Laboratory, scheme: str) -> Judged:
     return ledger.findings()
 
 
+#: Free particles: time step, steps of a run and from one sample to the next, and the fastest one's path in a step. All
+#: numbers are short in base two, so that paths have no rounding; 700 sides of the box are more than LAMMPS counts.
+_FREE_DT, _FREE_STEPS, _FREE_EVERY, _PATH = 2.0**-8, 2800, 700, 2.0
+_SIDE, _CUTOFF = 8.0, 3.0
+
+
+def _free() -> Scene:
+    """Four particles too far from each other for a force, on parallel lines; the last one rests."""
+    x = np.array([[1.0, 1.0, 1.0], [3.0, 5.0, 5.0], [6.0, 1.0, 5.0], [2.0, 5.0, 1.0]])
+    v = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.125, 0.0, 0.0], [0.0, 0.0, 0.0]]) * _PATH / _FREE_DT
+    return Scene(
+        name="free",
+        dimension=3,
+        duration=_FREE_STEPS * _FREE_DT,
+        lennard_jones=LennardJones(cutoff=_CUTOFF),
+        box=Box(lengths=(_SIDE,) * 3),
+        initial=explicit(x, v),
+        output=Output(interval=_FREE_EVERY * _FREE_DT, trajectory=True),
+    )
+
+
+def _judge_free(laboratory: Laboratory, value: None) -> Judged:
+    scene = _free()
+    run = laboratory.run(scene, Method(scheme="velocity_verlet", dt=_FREE_DT))
+    state = scene.initial_state()
+    expected = state.positions + run["time"][:, None, None] * state.velocities
+    size = float(np.abs(expected).max())
+    why = "no rounding, of numbers short in base two; one of the largest coordinate, where it is put together of parts"
+    return worst(
+        [
+            round_off("places, off by", float(np.abs(run["positions"] - expected).max()), EPSILON * size, why),
+            round_off(
+                "velocities, off by",
+                float(np.abs(run["velocities"] - state.velocities).max()),
+                EPSILON * float(np.abs(state.velocities).max()),
+                "no force acts: none but a rounding of other units",
+            ),
+        ],
+        f"{size / _SIDE:.0f} sides of the box in {_FREE_STEPS} steps",
+    )
+
+
 CHECKS = (
+    Check(
+        name="stepping/many-boxes",
+        title="Free particles that cross a periodic box hundreds of times in a run",
+        equation="r(t) = r_0 + v t, unwrapped",
+        criterion="to rounding, at the end and between",
+        citation="Allen & Tildesley, Computer Simulation of Liquids (1987), section 1.5.3",
+        judge=_judge_free,
+        variants=(Variant("free", None),),
+        faults=(),
+        needs=Needs("lennard_jones", words=words(_free()), schemes=("velocity_verlet",), promises=("long_runs",)),
+    ),
     Check(
         name="stepping/far-from-the-origin",
         title="Particles that stream through thousands of images of the box, against the recurrence of the scheme",

@@ -72,7 +72,7 @@ class LammpsEngine:
         ),
     )
     #: Thousands of steps of some hundred particles take seconds; walls are granular ones throughout.
-    promises = ("long_runs", "remarks_on_steps", "springs_turned_at_walls")
+    promises = ("long_runs", "remarks_on_contacts", "springs_turned_at_walls")
 
     def version(self) -> str:
         return f"{load().__version__} (MPI from {preload_mpi()})"

@@ -141,7 +141,7 @@ class RefimplEngine:
     #: particles take seconds; that its kernels run as plain Python too; and that it counts its operations.
     promises = (
         "speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "remarks_on_order",
-        "remarks_on_steps",
+        "remarks_on_contacts",
     )  # fmt: skip
 
     def version(self) -> str:
