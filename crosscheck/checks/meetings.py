@@ -1,4 +1,4 @@
-"""Two particles that meet in one point, where no force is finite: a run diverges there, says so, and ends."""
+"""Two particles that meet in one point, or one that leaps through a wall: a run diverges there, says so, and ends."""
 
 from __future__ import annotations
 
@@ -55,17 +55,18 @@ def _free(scene: Scene, time: Floats) -> Floats:
 
 
 def judged_meeting(
-    laboratory: Laboratory, scene: Scene, method: Method, pull: float, last: int
+    laboratory: Laboratory, scene: Scene, method: Method, pull: float, last: int, meeting: int = MEETING
 ) -> tuple[list[Judgement], Run]:
     """Whether the run says that it diverged, the path before, and what is recorded afterwards; and the run.
 
-    scene: starts from `Meeting.start`, recorded at each step of `DT`. method: how. pull: bound on how far forces move a
-    particle before the two meet, length. last: steps that are taken by an engine that counts them exactly.
+    scene: recorded at each step of `DT`. method: how. pull: bound on how far forces move a particle before the meeting,
+    length. last: steps that are taken by an engine that counts them exactly. meeting: the step after which no force is
+    finite.
     """
     run = laboratory.run(scene, method, may_end_early=True)
     x = run["positions"]
-    before = np.abs(x[:MEETING] - _free(scene, run["time"])[:MEETING]).max()
-    after = int(np.isfinite(x[MEETING:]).any(axis=(1, 2)).sum())
+    before = np.abs(x[:meeting] - _free(scene, run["time"])[:meeting]).max()
+    after = int(np.isfinite(x[meeting:]).any(axis=(1, 2)).sum())
     judgements = [
         bounded("runs that do not say that they diverged", float(not run.diverged), 0.0, "no force is finite there"),
         round_off(

@@ -205,7 +205,8 @@ def _particles(row: Row, lengths: Floats, rng: np.random.Generator) -> tuple[tup
     kinds = {"one": 1, "unlike": 3, "points": 4}[row["species"]]
     unlike, species = kinds > 1, np.arange(n) % kinds
     if row["fixed"] == "yes":
-        species = np.where(np.arange(n) % 4 == 2, kinds, species)
+        # the last one among them, or not
+        species = np.where(np.arange(n) % 4 == (2 if n % 2 else (n - 1) % 4), kinds, species)
         kinds += 1
     diameters = np.array(_of_species(row))[species] if unlike else np.full(n, SIZES[0])
     masses = MASS if not unlike else tuple(rng.uniform(0.6, 3.0, n).tolist())
