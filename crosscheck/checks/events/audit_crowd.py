@@ -63,6 +63,33 @@ def crowd(seed: int, radius: float = _RING) -> Scene:
     )
 
 
+#: Points on a lattice of so many a side, that shrinks to half its size; sides of the box; a disk among them.
+_POINTS, _BOX, _DISK = 16, 12.0, 2.0
+
+
+def shrinking(seed: int) -> Scene:
+    """Points that all move towards the middle of a lattice, so that all cells there fill alike; and a disk that is hit.
+
+    seed: of what their places are off the lattice.
+    """
+    rng = np.random.default_rng(seed)
+    places = np.stack(np.meshgrid(*[np.arange(_POINTS) + 0.5] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+    x = (places + rng.uniform(-0.1, 0.1, places.shape)) * (_BOX / _POINTS)
+    middle = np.array([_BOX / 2] * 2)
+    x = x[np.linalg.norm(x - middle, axis=1) > 0.6 * _DISK]
+    return Scene(
+        name="shrinking",
+        dimension=2,
+        duration=0.3,
+        hard_spheres=HardSpheres(diameter=(0.0, _DISK)),
+        box=Box(lengths=(_BOX,) * 2),
+        masses=(*(1.0,) * len(x), 50.0),
+        species=(*(0,) * len(x), 1),
+        initial=explicit(np.vstack([x, middle]), np.vstack([middle - x, [0.03, -0.02]])),
+        output=Output(interval=0.1, observables=("kinetic_energy",), trajectory=True, trace=True),
+    )
+
+
 def in_rounding(found: Audit) -> list[Judgement]:
     """A judgement of each kind of deviation, in its rounding; found: by an audit."""
     return [
@@ -83,7 +110,39 @@ def _judge(laboratory: Laboratory, start: _Start) -> Judged:
     return worst(judgements, f"{found.events} events, up to {bonds:.0f} pairs in their wells")
 
 
+def _judge_shrinking(laboratory: Laboratory, _: str) -> Judged:
+    scene = shrinking(laboratory.seed())
+    found = audit(scene, laboratory.run(scene, EVENT_DRIVEN))
+    return worst(in_rounding(found), f"{found.events} events among {scene.number} particles")
+
+
 CHECKS = (
+    Check(
+        name="events/audit-shrinking",
+        title="Points that gather, all cells alike, around a disk: every event against the definitions",
+        equation="as events/audit",
+        criterion="each number to its rounding",
+        citation="Rapaport, J. Comput. Phys. 34, 184 (1980), on cells and their occupants",
+        judge=_judge_shrinking,
+        variants=quick("points"),
+        needs=event_driven(
+            "dimension=2 hard_spheres.diameter[] masses[] box.boundaries=periodic",
+            "positions velocities kinetic_energy event_times event_partners event_positions event_velocities",
+        ),
+        interpreted=True,
+        faults=(
+            (
+                "points",
+                Fault(
+                    "points-hit-nothing",
+                    "events/kernels/loop.py",
+                    "if s > 0.0 and (c > grid.near * s2",
+                    "if s > 1.0 and (c > grid.near * s2",
+                    "points and a disk of diameter 2, whose distance at contact is 1, pass through each other",
+                ),
+            ),
+        ),
+    ),
     Check(
         name="events/audit-crowd",
         title="Small disks that gather around a large one, in its well: every event against the definitions",
