@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from crosscheck.checks.base import Check, Laboratory, full, quick
+from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.lattice.gases import LATTICE, filled, gas_scene
 from crosscheck.checks.lattice.recording import recorded
 from crosscheck.engines.capabilities import Needs
@@ -15,6 +15,8 @@ from crosscheck.verdict import Judged, round_off, worst
 
 STEPS = 4
 EVOLVERS = ("lattice_lookup", "lattice_planes", "lattice_numpy")
+#: Models of the quick tier: whose states choose among at most two outcomes, and among more, by one random bit and two.
+_QUICK = ("fhp3", "fhp_saturated_identity")
 
 
 def _judge(laboratory: Laboratory, model: str) -> Judged:
@@ -62,7 +64,7 @@ CHECKS = (
         criterion="not one bit differs",
         citation="Frisch, Hasslacher & Pomeau, Phys. Rev. Lett. 56, 1505 (1986)",
         judge=_judge,
-        variants=(*quick("fhp3"), *full(*(name for name in MODELS if name != "fhp3"))),
+        variants=tuple(Variant(name, name, "quick" if name in _QUICK else "full") for name in MODELS),
         faults=(
             (
                 "fhp3",
