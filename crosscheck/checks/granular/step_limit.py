@@ -112,7 +112,7 @@ def _judge_beyond(laboratory: Laboratory, value: None) -> Judged:
     """Before the end each step is that of the oscillator, whose map the steps are; from there on there is no number."""
     scene = _between_walls(1.0, _BEYOND * _BEYOND_STEPS, _BEYOND_SPEED)
     names = ("positions", "velocities", "wall_impulse")
-    scene = scene.model_copy(update={"output": Output(interval=_BEYOND, trajectory=True, observables=names[2:])})
+    scene = scene.changed(output=Output(interval=_BEYOND, trajectory=True, observables=names[2:]))
     run = laboratory.run(scene, Law(1.0).method(1.0, _BEYOND), may_end_early=True)
     known = np.array([np.isfinite(run[name].reshape(len(run[name]), -1)).all(axis=1) for name in names])
     some = np.array([np.isfinite(run[name].reshape(len(run[name]), -1)).any(axis=1) for name in names])
