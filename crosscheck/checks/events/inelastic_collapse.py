@@ -12,36 +12,46 @@ from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
 from crosscheck.references.collapse import line_collisions
+from crosscheck.scene import Method
 from crosscheck.verdict import Judged, bounded, within, worst
 
 
 def _judge_collapse(laboratory: Laboratory, row: Row) -> Judged:
+    """By all event-driven schemes of the engine."""
+    scene = row_scene(row, row.below, 1.0)
+    schemes = [name for name, claims in laboratory.claims.items() if claims.kind == EVENT_DRIVEN]
+    able = [name for name in schemes if laboratory.refusal(scene, Method(scheme=name)) is None]
+    return worst([_judge_scheme(laboratory, row, scheme) for scheme in able or schemes[:1]])
+
+
+def _judge_scheme(laboratory: Laboratory, row: Row, scheme: str) -> Judged:
     """The exact time of the collapse just below the limit, the exact number of collisions just above it."""
     gaps, velocities, wall, limit, below, above, fixed = row
+    method = Method(scheme=scheme)
     exact = line_collisions(gaps, velocities, below, wall)
-    run = laboratory.run(row_scene(row, below, 2 * float(exact.times[-1])), EVENT_DRIVEN, may_end_early=True)
+    run = laboratory.run(row_scene(row, below, 2 * float(exact.times[-1])), method, may_end_early=True)
     time, stopped = reported_time(run), run.stopped
     rounding = 4 * EPSILON * float(np.sum(gaps) + velocities.size + fixed)
     left = exact.times[-1] - exact.times
     tolerance = float(np.sum(left * np.minimum(1.0, rounding / np.maximum(exact.gaps, 1e-300))))
     found = within(
-        "round_off", f"time of the collapse at alpha = {below:.4g}", time, float(exact.times[-1]),
+        "round_off", f"{scheme}: time of the collapse at alpha = {below:.4g}", time, float(exact.times[-1]),
         tolerance,
         "four roundings of the coordinates change each gap, and the time left from there, in proportion",
     )  # fmt: skip
     # the last ones of so many collisions that a clock cannot tell their times apart: any neighbours may be named
     named = reported_partners(run)
     neighbours = [{i, i + 1} for i in range(velocities.size - 1 + fixed)] + ([{0}] if wall and not fixed else [])
-    who = bounded("particles named that do not touch", float(named not in neighbours), 0.0, "who collapses touches",
-                  note=stopped)  # fmt: skip
+    who = bounded(f"{scheme}: particles named that do not touch", float(named not in neighbours), 0.0,
+                  "who collapses touches", note=stopped)  # fmt: skip
     sound = line_collisions(gaps, velocities, above, wall)
-    run = laboratory.run(row_scene(row, above, 2 * float(sound.times[-1])), EVENT_DRIVEN, may_end_early=True)
+    run = laboratory.run(row_scene(row, above, 2 * float(sound.times[-1])), method, may_end_early=True)
     hits = run["collisions"][-1] + run["wall_collisions"][-1].sum()
     none = within(
-        "round_off", f"collisions until all part at alpha = {above:.4g}", float(hits), sound.pairs + sound.wall, 0.5,
-        "a count: exact",
+        "round_off", f"{scheme}: collisions until all part at alpha = {above:.4g}", float(hits),
+        sound.pairs + sound.wall, 0.5, "a count: exact",
     )  # fmt: skip
-    return worst([found, who, none], f"limit {limit:.5f}; below it '{stopped}', above it '{run.stopped}'")
+    return worst([found, who, none], f"limit {limit:.5f}; {scheme}: below it '{stopped}', above it '{run.stopped}'")
 
 
 #: Variants of the quick tier.
