@@ -64,9 +64,9 @@ _SIDE, _CUTOFF = 8.0, 3.0
 
 
 def _free() -> Scene:
-    """Four particles too far from each other for a force, on parallel lines; the last one rests."""
-    x = np.array([[1.0, 1.0, 1.0], [3.0, 5.0, 5.0], [6.0, 1.0, 5.0], [2.0, 5.0, 1.0]])
-    v = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.125, 0.0, 0.0], [0.0, 0.0, 0.0]]) * _PATH / _FREE_DT
+    """Particles on lines along each axis, half a side from each other: no force reaches so far; the last one rests."""
+    x = np.array([[1.0, 1.0, 1.0], [3.0, 2.0, 5.0], [7.0, 5.0, 6.0], [3.0, 5.0, 1.0]])
+    v = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]) * _PATH / _FREE_DT
     return Scene(
         name="free",
         dimension=3,
