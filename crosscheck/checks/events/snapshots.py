@@ -29,7 +29,7 @@ def _judge_snapshots(laboratory: Laboratory, judge: Callable[[Floats, float], Ju
     scene = Scene(
         name="snapshots",
         dimension=2,
-        duration=30000.0,
+        duration=50000.0,
         hard_spheres=HardSpheres(),
         box=Box(density=_DENSITY),
         initial=Lattice(kind="lattice", structure="square", number=_NUMBER, temperature=1.0, seed=laboratory.seed()),

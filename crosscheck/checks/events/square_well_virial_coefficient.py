@@ -20,7 +20,7 @@ from crosscheck.verdict import Judged, statistical, worst
 #: Range in density: B_2 n is a few per cent, and what follows B_3 n^2 is far below.
 DILUTE = {2: 0.02, 3: 0.01}
 DILUTE_NUMBER = {2: 1024, 3: 864}
-DILUTE_TIME, DILUTE_SAMPLES = {2: 8000.0, 3: 6000.0}, 200
+DILUTE_TIME, DILUTE_SAMPLES = {2: 12000.0, 3: 6000.0}, 200
 
 
 class _Gas(NamedTuple):
