@@ -15,7 +15,7 @@ from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import lattice_gas as known
 from crosscheck.references.channel_flow import forced_profile
-from crosscheck.references.lattice_channel import forced_channel, steady_channel
+from crosscheck.references.lattice_channel import steady_channel
 from crosscheck.references.lattice_models import VELOCITIES, Velocities, modes
 from crosscheck.scene import Floats, Obstacle, Output
 from crosscheck.statistics import independent_mean
@@ -25,7 +25,7 @@ ROWS, COLUMNS = 64, 512
 #: Probability with which a particle is turned from -x to +x.
 FORCE = 2.0**-13
 #: Before the measurement, seven times the slowest decay, H^2/(pi^2 nu); then stretches of four such times, in steps.
-STRETCHES, WARM, STEPS, EVERY = 24, 30_000, 16_000, 50
+STRETCHES, WARM, STEPS, EVERY = 36, 30_000, 16_000, 50
 
 
 class _Channel(NamedTuple):
@@ -78,7 +78,7 @@ def _judge(laboratory: Laboratory, channel: _Channel) -> Judged:
     nu, nu_error = independent_mean(1 / fits[:, 0])
     length, length_error = independent_mean(slip)
     curved, curved_error = independent_mean(fits[:, 3] / 16 / j.max())
-    boltzmann, bent = _boltzmann_slip(channel), _boltzmann_bend(channel)
+    boltzmann, bent = _boltzmann(channel)
     kept = abs(float(flow[-1].sum() - flow[first].sum())) / (float(given.sum()) * STEPS)
     judgements = [
         bounded("momentum that the gas keeps, of what the force gives", kept, 0.05,
@@ -138,20 +138,15 @@ def _slip(fits: Floats, total: float) -> Floats:
     return np.asarray(fits[..., 1] / fits[..., 0] / (total / 2))
 
 
-def _boltzmann_slip(channel: _Channel) -> float:
-    """The same of the linearised Boltzmann equation, whose layers at the walls move the place where j = 0."""
-    flow = forced_channel(channel.model, 0.5, ROWS, channel.rule)
-    uniform = np.ones(ROWS)
-    uniform[0] = 0.0
-    shape, total = forced_profile(uniform, VELOCITIES[channel.model].row_height)
-    return float(_slip(_fitted(shape, flow), total))
+def _boltzmann(channel: _Channel) -> tuple[float, float]:
+    """Slip length and fourth power over the maximum, of the steady flow of Boltzmann's equation under this force.
 
-
-def _boltzmann_bend(channel: _Channel) -> float:
-    """The fourth power in the flow of the whole Boltzmann equation, over the maximum: of the order of (u/c_s)^2."""
+    Its layers at the walls move the place where j = 0; the square of the speed bends the profile.
+    """
     steady = steady_channel(channel.model, 0.5, ROWS, channel.rule, FORCE)
-    shape, _ = forced_profile(steady.given, VELOCITIES[channel.model].row_height)
-    return float(_fitted(shape, steady.flow)[3] / 16 / steady.flow.max())
+    shape, total = forced_profile(steady.given, VELOCITIES[channel.model].row_height)
+    fit = _fitted(shape, steady.flow)
+    return float(_slip(fit, total)), float(fit[3] / 16 / steady.flow.max())
 
 
 def _name(channel: _Channel) -> str:
