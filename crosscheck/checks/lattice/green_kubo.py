@@ -119,13 +119,15 @@ def against_green_kubo(
     found: Fluctuations,
     rate: float,
     frequency: float = 0.0,
+    loud: float = 0.0,
 ) -> tuple[Judgement, str]:
     """A transport coefficient measured by a wave against that of the fluctuations; and a note with Boltzmann's values.
 
     label: of the coefficient. measured: of each gas, links^2 per step. boltzmann: the coefficient by the Boltzmann
     equation, at this k and at k = 0. found: the fluctuations of gases at rest. rate: of the wave's decay, per step; two
     modes of its lattice decay at least at half of it, so the stress is correlated over 2/rate steps at most. Where
-    noise outweighs the tail, the sum ends earlier. frequency: of the wave, per step.
+    noise outweighs the tail, the sum ends earlier. frequency: of the wave, per step. loud: what its amplitude adds to
+    the coefficient, by the Boltzmann equation.
     """
     cumulated = found.diffusivity(frequency)
 
@@ -139,18 +141,22 @@ def against_green_kubo(
     value, u = independent_mean(measured)
     # a wave as long as this is damped differently by so much; of sound, part of it is that of the frequency
     finite = boltzmann[0] - boltzmann[1]
+    # what the amplitude adds depends on the coefficient itself, of which Boltzmann's equation is off by this share
+    off = abs(green_kubo / boltzmann[1] - 1)
     judgement = statistical(
         label,
         value,
         u,
-        green_kubo + finite,
+        green_kubo + finite + loud,
         error,
         f"{BY_MEMBERS}; Green-Kubo to lag {until}, off by what its last two doublings add (where a wave cuts the "
-        "long-time tail off is known to a factor only) and by the correction for the wavelength",
+        "long-time tail off is known to a factor only), by the correction for the wavelength, and by the share of that "
+        "for the amplitude by which Boltzmann's equation is off",
         samples=MEMBERS,
-        doubt=tail + abs(finite),
+        doubt=tail + abs(finite) + off * abs(loud),
     )
     note = (
-        f"Boltzmann {boltzmann[1]:.4g} (at this k {boltzmann[0]:.4g}), Green-Kubo alone {green_kubo:.4g}({error:.2g})"
+        f"Boltzmann {boltzmann[1]:.4g} (at this k {boltzmann[0]:.4g}, of this amplitude {boltzmann[0] + loud:.4g}), "
+        f"Green-Kubo alone {green_kubo:.4g}({error:.2g})"
     )
     return judgement, note
