@@ -17,6 +17,8 @@ from crosscheck.verdict import Judged, statistical, worst
 
 #: Collisions of each particle before the measurement: spins, at rest at the start, follow with exp(-s/10).
 ROUGH_WARM = 50.0
+#: Collisions of each particle in the measurement: long enough that 16 gases tell the ratio to a hundredth.
+ROUGH_SPAN = 45.0
 #: dimension: packing fraction, dilute enough for a thousand disks in a short box.
 ROUGH_PACKINGS = {2: 0.005, 3: 0.02}
 
@@ -38,7 +40,7 @@ def _judge_rough(laboratory: Laboratory, case: _Rough) -> Judged:
     # of the whole energy, and so of either temperature, in the homogeneous state
     losses = [-reference.rough_rates(1.0, x, alpha, alpha_t, q, dimension)[0] for x in (ratio.value, closure)]
     friction = GrainFriction(tangential_restitution=alpha_t, inertia=q)
-    gas = cool(laboratory, dimension, alpha, friction, packing, max(losses), 30.0, ROUGH_WARM)
+    gas = cool(laboratory, dimension, alpha, friction, packing, max(losses), ROUGH_SPAN, ROUGH_WARM)
     measured = gas.rotational / gas.temperatures
     _, few = finite_size(gas.number, max(losses), packing, dimension)
     why = f"standard error over {STARTS} independent gases"
