@@ -20,7 +20,10 @@ WEAK = 1e-90
 
 
 class Meeting(NamedTuple):
-    """The two that meet, of so many, in so many dimensions."""
+    """Two particles that meet.
+
+    pair: their numbers. number: of all particles. dimension: of space, 2 or 3.
+    """
 
     pair: tuple[int, int]
     number: int
@@ -59,9 +62,9 @@ def judged_meeting(
 ) -> tuple[list[Judgement], Run]:
     """Whether the run says that it diverged, the path before, and what is recorded afterwards; and the run.
 
-    scene: recorded at each step of `DT`. method: how. pull: bound on how far forces move a particle before the meeting,
-    length. last: steps that are taken by an engine that counts them exactly. meeting: the step after which no force is
-    finite.
+    laboratory: runs it. scene: recorded at each step of `DT`. method: how. pull: bound on how far forces move a
+    particle before the meeting, length. last: steps that are taken by an engine that counts them exactly. meeting: the
+    step after which no force is finite.
     """
     run = laboratory.run(scene, method, may_end_early=True)
     x = run["positions"]

@@ -16,6 +16,7 @@ from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.granular.soft_grains import soft_needs
 from crosscheck.checks.operations import exactly
 from crosscheck.engines.capabilities import words
+from crosscheck.faults import Fault
 from crosscheck.references.soft_impact import HertzImpact, HookeImpact, stiffness
 from crosscheck.scene import Contact, GrainFriction, HardSpheres, Method, Output, Scene, explicit
 from crosscheck.verdict import Judged, Judgement, round_off, worst
@@ -167,6 +168,17 @@ CHECKS = (
         variants=tuple(_variant(name, one) for name, one in _CONTACTS.items()),
         needs=soft_needs("dimension=2", "positions velocities"),
         interpreted=True,
-        faults=(),
+        faults=(
+            (
+                "resolved-duration",
+                Fault(
+                    "a-step-not-taken",
+                    "stepping/integrate.py",
+                    "        steps=done,\n        diverged=diverged,",
+                    "        steps=done + 1,\n        diverged=diverged,",
+                    "a run counts a step more than it takes",
+                ),
+            ),
+        ),
     ),
 )

@@ -117,6 +117,17 @@ CHECKS = (
         ),
         needs=Needs("lennard_jones", observables=frozenset({"positions"}), schemes=("velocity_verlet",)),
         interpreted=True,
-        faults=(),
+        faults=(
+            (
+                "last-of-many",
+                Fault(
+                    "no-force-in-one-place",
+                    "stepping/kernels/lennard_jones.py",
+                    "    q = splat(1.0) / r2\n    q2 = q * q\n",
+                    "    q = splat(1.0) / (r2 + splat(1e-6))\n    q2 = q * q\n",
+                    "particles in one place do not push each other, and pass through each other",
+                ),
+            ),
+        ),
     ),
 )

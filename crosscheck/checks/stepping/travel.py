@@ -14,6 +14,7 @@ from crosscheck.checks.stepping.audit import (
     has_recurrence,
     run_or_refuse,
 )
+from crosscheck.checks.stepping.faults import LOSS
 from crosscheck.engines.capabilities import Needs, words
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
@@ -108,7 +109,7 @@ CHECKS = (
         citation="Allen & Tildesley, Computer Simulation of Liquids (1987), section 1.5.3",
         judge=_judge_free,
         variants=(Variant("free", None),),
-        faults=(),
+        faults=(("free", LOSS),),
         needs=Needs("lennard_jones", words=words(_free()), schemes=("velocity_verlet",), promises=("long_runs",)),
     ),
     Check(
