@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from crosscheck.checks.base import Laboratory
 from crosscheck.engines.protocol import Run
 from crosscheck.engines.registry import engine_class
-from crosscheck.scene import Explicit, Floats, Method, Scene, explicit
+from crosscheck.scene import Explicit, Floats, Method, Output, Scene, explicit
+from crosscheck.scene.parts import Interaction
 from crosscheck.verdict import Judgement, bounded, round_off, within
 
 #: Time step, the step after which two meet, and steps of a run. All numbers are short in base two: paths have no
@@ -27,7 +28,7 @@ class Meeting(NamedTuple):
 
     pair: tuple[int, int]
     number: int
-    dimension: int
+    dimension: Literal[2, 3]
 
     @property
     def start(self) -> Explicit:
@@ -40,6 +41,21 @@ class Meeting(NamedTuple):
             v[one] = sign * towards
             x[one] = 4.0 - v[one] * MEETING * DT
         return explicit(x, v)
+
+    def scene(self, observables: tuple[str, ...] = (), **interaction: Interaction) -> Scene:
+        """The scene, recorded at each step.
+
+        observables: beside the trajectory. interaction: the table of the scene that says how particles act on each
+        other, by its name.
+        """
+        return Scene(
+            name="meeting",
+            dimension=self.dimension,
+            duration=STEPS * DT,
+            initial=self.start,
+            output=Output(interval=DT, trajectory=True, observables=observables),
+            **interaction,  # type: ignore[arg-type]
+        )
 
 
 #: The first two of few, the first two of many, and two that are neither first nor last of their lists.

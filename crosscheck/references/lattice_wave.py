@@ -1,9 +1,8 @@
-"""Plane waves of any amplitude by the whole lattice Boltzmann equation, whose damping grows with the amplitude.
+"""Sound of any amplitude by the whole lattice Boltzmann equation, whose damping grows with the amplitude.
 
 The occupations f_i(y), uniform along x, move by f_i(y + c_iy) <- f_i(y) + Delta_i(f(y)) in a step, with the mean
 collision Delta of `lattice_models`. Sound of a finite amplitude steepens where sound is faster in denser gas, that is
-where the factor g(d) of the advection is not 0, and loses energy to waves of half its length; shear is slowed by terms
-of the square of its velocity.
+where the factor g(d) of the advection is not 0, and loses energy to waves of half its length.
 
 Literature: U. Frisch et al., Complex Systems 1, 649 (1987) (Boltzmann equation); L. D. Landau and E. M. Lifshitz, Fluid
 Mechanics, section 101 (simple waves).

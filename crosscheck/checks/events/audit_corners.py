@@ -15,7 +15,7 @@ from crosscheck.references.event_audit import audit
 from crosscheck.scene import Box, HardSpheres, Output, Scene, explicit
 from crosscheck.verdict import Judged, bounded, worst
 
-#: Collisions of a run; of these so many go through two faces or more, the first of them between the ends of the box.
+#: Collisions of a run; of these so many go through two faces or more, one of them an end of the box.
 _COLLISIONS, _CORNERS = 150, 3
 
 

@@ -63,7 +63,7 @@ def crowd(seed: int, radius: float = _RING) -> Scene:
     )
 
 
-#: Points on a lattice of so many a side, that shrinks to half its size; sides of the box; a disk among them.
+#: Points on a lattice of so many a side, that shrinks by a third; sides of the box; a disk among them.
 _POINTS, _BOX, _DISK = 16, 12.0, 2.0
 
 

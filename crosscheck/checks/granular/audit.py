@@ -141,22 +141,19 @@ def _needs(words: str, observables: str) -> Needs:
     return Needs(needs.interaction, needs.kinds, needs.words, needs.observables, ("velocity_verlet",))
 
 
-def _numbered(table: Callable[[], tuple[list[Row], set[Pair]]]) -> list[tuple[int, Row]]:
-    return list(enumerate(table()[0]))
-
-
-def _chunk(seed: int, number: int) -> list[tuple[int, Row]]:
-    return list(enumerate(rows(seed)[0]))[number::_CHUNKS]
+def _numbered(table: Callable[[], tuple[list[Row], set[Pair]]], first: int = 0, by: int = 1) -> list[tuple[int, Row]]:
+    """Every row of a table, or from the `first` on each `by`-th, with its number."""
+    return list(enumerate(table()[0]))[first::by]
 
 
 def _variants() -> tuple[Variant, ...]:
     everything = _needs(_ALL_WORDS, "potential_energy wall_torque")
-    common = replace(_needs(_COMMON_WORDS, "wall_torque"), promises=("springs_turned_at_walls",))
+    of_most_codes = replace(_needs(_COMMON_WORDS, "wall_torque"), promises=("springs_turned_at_walls",))
     return (
         *(
             Variant(
                 f"rows-{seed * _CHUNKS + number}",
-                _Rows(partial(_chunk, seed, number), potential=True),
+                _Rows(partial(_numbered, partial(rows, seed), number, _CHUNKS), potential=True),
                 "full" if seed else "quick",
                 everything,
             )
@@ -164,7 +161,7 @@ def _variants() -> tuple[Variant, ...]:
             for number in range(_CHUNKS)
         ),
         Variant("simple-rows", _Rows(partial(_numbered, simple_rows))),
-        Variant("common-rows", _Rows(partial(_numbered, common_rows), turned_at_walls=True), needs=common),
+        Variant("common-rows", _Rows(partial(_numbered, common_rows), turned_at_walls=True), needs=of_most_codes),
     )
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ import numpy as np
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.granular.soft_grains import soft_needs
 from crosscheck.checks.operations import exactly
-from crosscheck.engines.capabilities import words
+from crosscheck.engines.capabilities import Needs, words
 from crosscheck.faults import Fault
 from crosscheck.references.soft_impact import HertzImpact, HookeImpact, stiffness
 from crosscheck.scene import Contact, GrainFriction, HardSpheres, Method, Output, Scene, explicit
@@ -154,7 +153,7 @@ def _judge(laboratory: Laboratory, one: _Contact) -> Judged:
 def _variant(name: str, one: _Contact) -> Variant:
     asked = words(_scene(one, 1.0, 1.0), Method(scheme="velocity_verlet", dt=1.0, contact=one.contact))
     promises = () if one.resolved else ("remarks_on_contacts",)
-    return Variant(name, one, needs=replace(soft_needs(), words=asked, promises=promises))
+    return Variant(name, one, needs=Needs("hard_spheres", words=asked, promises=promises))
 
 
 CHECKS = (

@@ -6,11 +6,11 @@ import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
-from crosscheck.checks.meetings import DT, MEETING, MEETINGS, STEPS, WEAK, Meeting, judged_meeting
+from crosscheck.checks.meetings import DT, MEETING, MEETINGS, WEAK, Meeting, judged_meeting
 from crosscheck.engines.capabilities import Needs, words
 from crosscheck.faults import Fault
 from crosscheck.references import EPSILON
-from crosscheck.scene import Contact, HardSpheres, Method, Output, Scene
+from crosscheck.scene import Contact, HardSpheres, Method, Scene
 from crosscheck.verdict import Judged, bounded, round_off, worst
 
 #: The two overlap at the step before the meeting in space, and at the three before it in the plane.
@@ -19,14 +19,7 @@ _METHOD = Method(scheme="velocity_verlet", dt=DT, contact=Contact(stiffness=WEAK
 
 
 def _scene(meeting: Meeting) -> Scene:
-    return Scene(
-        name="meeting",
-        dimension=meeting.dimension,  # type: ignore[arg-type]
-        duration=STEPS * DT,
-        hard_spheres=HardSpheres(diameter=_DIAMETER),
-        initial=meeting.start,
-        output=Output(interval=DT, trajectory=True, observables=("contact_time",)),
-    )
+    return meeting.scene(("contact_time",), hard_spheres=HardSpheres(diameter=_DIAMETER))
 
 
 def _judge(laboratory: Laboratory, meeting: Meeting) -> Judged:

@@ -114,20 +114,19 @@ def _judge_beyond(laboratory: Laboratory, value: None) -> Judged:
     names = ("positions", "velocities", "wall_impulse")
     scene = scene.changed(output=Output(interval=_BEYOND, trajectory=True, observables=names[2:]))
     run = laboratory.run(scene, Law(1.0).method(1.0, _BEYOND), may_end_early=True)
-    known = np.array([np.isfinite(run[name].reshape(len(run[name]), -1)).all(axis=1) for name in names])
-    some = np.array([np.isfinite(run[name].reshape(len(run[name]), -1)).any(axis=1) for name in names])
-    first = int(np.argmin(known.all(axis=0)))  # where one of them overflows, another one may be finite yet
-    afterwards = float(some[:, first + 1 :].sum())
+    finite = np.hstack([np.isfinite(run[name]).reshape(len(run["time"]), -1) for name in names])
+    first = int(np.argmin(finite.all(axis=1)))  # where one number overflows, another one may be finite yet
+    afterwards = float(finite[first + 1 :].any(axis=1).sum())
     x, v, share = 0.0, _BEYOND_SPEED, 0.0
-    growth, size = 1.0, 0.5
+    place = 0.5
     for sample in range(first):
         # the error of a coordinate near 1/2 grows as the motion itself does
-        rounding = 16 * EPSILON * (sample + 1) * growth * size
+        rounding = 16 * EPSILON * (sample + 1) * place
         off = max(abs(run["positions"][sample, 0, 1] - 0.5 - x), abs(run["velocities"][sample, 0, 1] - v))
         share = max(share, float(off) / rounding)
         after = x + _BEYOND * v - _BEYOND**2 / 2 * x
         x, v = after, v - _BEYOND / 2 * (x + after)
-        growth *= _BEYOND_GROWTH
+        place *= _BEYOND_GROWTH
     return worst(
         [
             bounded("runs that do not say that they diverged", float(not run.diverged), 0.0, "no double is so large"),

@@ -5,22 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, Variant
-from crosscheck.checks.meetings import DT, MEETING, MEETINGS, STEPS, WEAK, Meeting, judged_meeting
+from crosscheck.checks.meetings import DT, MEETING, MEETINGS, WEAK, Meeting, judged_meeting
 from crosscheck.checks.stepping.faults import gravity_fault
 from crosscheck.engines.capabilities import Needs, words
-from crosscheck.scene import Gravity, Method, Output, Scene
+from crosscheck.scene import Gravity, Method, Scene
 from crosscheck.verdict import Judged, worst
 
 
 def _scene(meeting: Meeting) -> Scene:
-    return Scene(
-        name="meeting",
-        dimension=meeting.dimension,  # type: ignore[arg-type]
-        duration=STEPS * DT,
-        gravity=Gravity(G=WEAK),
-        initial=meeting.start,
-        output=Output(interval=DT, trajectory=True),
-    )
+    return meeting.scene(gravity=Gravity(G=WEAK))
 
 
 def _judge(laboratory: Laboratory, meeting: Meeting) -> Judged:

@@ -18,14 +18,7 @@ _METHOD = Method(scheme="velocity_verlet", dt=DT)
 
 
 def _scene(meeting: Meeting) -> Scene:
-    return Scene(
-        name="meeting",
-        dimension=meeting.dimension,  # type: ignore[arg-type]
-        duration=STEPS * DT,
-        lennard_jones=LennardJones(epsilon=WEAK, cutoff=2.5),
-        initial=meeting.start,
-        output=Output(interval=DT, trajectory=True),
-    )
+    return meeting.scene(lennard_jones=LennardJones(epsilon=WEAK, cutoff=2.5))
 
 
 def _judge(laboratory: Laboratory, meeting: Meeting) -> Judged:

@@ -10,20 +10,13 @@ import pytest
 
 from crosscheck.checks.meetings import DT, MEETING, MEETINGS, STEPS, judged_meeting
 from crosscheck.engines.protocol import Run
-from crosscheck.scene import Gravity, Method, Output, Scene
+from crosscheck.scene import Gravity, Method, Scene
 
 MEETING_OF_TWO = MEETINGS["first-of-few"]
 
 
 def _scene() -> Scene:
-    return Scene(
-        name="meeting",
-        dimension=2,
-        duration=STEPS * DT,
-        gravity=Gravity(G=1e-90),
-        initial=MEETING_OF_TWO.start,
-        output=Output(interval=DT, trajectory=True),
-    )
+    return MEETING_OF_TWO.scene(gravity=Gravity(G=1e-90))
 
 
 def _free_run(ends: int, diverged: bool) -> Run:
