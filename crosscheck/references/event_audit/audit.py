@@ -183,7 +183,8 @@ class _Judge:
         if core:
             self.found.note("approach", max(apart, 0.0), self.velocity, where)
             elastic = any(self.history.collided_lately(k, event.time) for k in (i, j))
-            return pair_collision(matter, i, j, n, one, other, elastic, self.speed)
+            outcomes = pair_collision(matter, i, j, n, one, other, elastic, self.speed)
+            return self._or_untouched(event, apart, outcomes)
         inside = self.history.inside(i, j)
         wrong_way = max(-apart if inside else apart, 0.0)
         self.found.note("approach", wrong_way, self.velocity, f"{where}: edge of the well")
@@ -212,7 +213,20 @@ class _Judge:
         if wall.random_phase is not None:
             own = self._drawn_phase(event, wall, law[0], arriving, where)
         self.found.note("approach", max(arriving - own, 0.0), self.velocity, where)
-        return wall_collision(matter, event.i, n, motion, law, -own * n, self.speed)
+        outcomes = wall_collision(matter, event.i, n, motion, law, -own * n, self.speed)
+        # the velocity of a random wall is what the outcome says: nothing else is known of the approach
+        return outcomes if wall.random_phase is not None else self._or_untouched(event, arriving - own, outcomes)
+
+    def _or_untouched(self, event: Event, apart: float, outcomes: list[Outcome]) -> list[Outcome]:
+        """The outcomes, and that nothing happens where rounding decides whether the partners approach at all.
+
+        Friction without a limit shows the difference: its impulse does not vanish with the normal one. apart: velocity
+        with which they go apart.
+        """
+        if abs(apart) > self.velocity:
+            return outcomes
+        first, *second = [motion for _, motion in event.before]
+        return [*outcomes, Outcome(first, second[0] if second else None, 1.0)]
 
     def _drawn_phase(self, event: Event, wall: Face, restitution: float, arriving: float, where: str) -> float:
         """The velocity of a random wall that explains what came out: v'_n = (1 + a) V - a v_n; it must be possible."""
@@ -253,7 +267,9 @@ class _Judge:
         n[across] = away / distance
         along = np.zeros(3)
         along[first], along[second] = -n[second], n[first]
-        self.found.note("approach", max(-float(motion.velocity @ n), 0.0), self.velocity, where)
+        apart = -float(motion.velocity @ n)
+        self.found.note("approach", max(apart, 0.0), self.velocity, where)
         law = (1.0, None) if elastic else (cylinder.restitution, cylinder.friction)
         surface = cylinder.angular_velocity * cylinder.radius * along
-        return wall_collision(matter, event.i, n, motion, law, surface, self.speed)
+        outcomes = wall_collision(matter, event.i, n, motion, law, surface, self.speed)
+        return self._or_untouched(event, apart, outcomes)

@@ -70,9 +70,9 @@ def tangential_impulses(
     """
     restitution, static, sliding = law_of(friction)
     sticking = -(1 - restitution) * slip / (inverse * (1 + 1 / shape))
-    needed, most, c = size(sticking), static * normal, size(slip)
-    if math.isinf(most):
+    if math.isinf(static):
         return [(sticking, 1.0)]
+    needed, most, c = size(sticking), static * normal, size(slip)
     slides = (-sliding * normal / c * slip if c > 0 else 0 * slip, 1 + speed / c if c > 0 else 1.0)
     if abs(needed - most) <= UNDECIDED * max(needed, most):
         return [(sticking, 1.0), slides]

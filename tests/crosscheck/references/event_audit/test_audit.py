@@ -11,7 +11,7 @@ from nearest_image import AllImages, Traced
 
 from crosscheck.engines.protocol import Run, shapes
 from crosscheck.references.event_audit import audit, reconstructed, with_trace
-from crosscheck.scene import Box, Cylinder, HardSpheres, Method, Output, Scene, explicit
+from crosscheck.scene import Box, Cylinder, Friction, GrainFriction, HardSpheres, Method, Output, Scene, explicit
 
 
 @cache
@@ -146,3 +146,36 @@ def test_a_collapse_that_is_none_is_found(drum_until_collapse):
     scene, run = drum_until_collapse
     early = {key: value[:5] if key.startswith("event_") else value for key, value in run.items()}
     assert audit(scene, Run(early), collapsed=True).shares["end of the run"] > 1
+
+
+@pytest.mark.parametrize(("approach", "right"), [(0.0, True), (1e-16, True), (-1e-16, True), (1e-6, False)])
+def test_what_slides_along_a_rough_wall_may_be_left_alone_where_rounding_says_whether_it_approaches(approach, right):
+    """A disk on a drum's wall, sliding, and an event that changes nothing: friction would, however small the impact."""
+    cylinder = Cylinder(radius=2.0, friction=Friction(tangential_restitution=0.3))
+    start, velocity = np.array([[3.5, 2.0]]), np.array([[approach, 1.0]])
+    scene = Scene(
+        name="slides",
+        dimension=2,
+        duration=1e-9,
+        hard_spheres=HardSpheres(diameter=1.0, friction=GrainFriction(tangential_restitution=0.3)),
+        box=Box(lengths=(4.0, 4.0), boundaries=("open", "open"), cylinder=cylinder),
+        initial=explicit(start, velocity),
+        output=Output(trace=True),
+    )
+    end, still = start + velocity * scene.duration, np.zeros((1, 1))
+    run = {
+        "time": np.array([scene.duration]),
+        "final_positions": end,
+        "final_velocities": velocity,
+        "final_angular_velocities": still,
+    }
+    nobody = np.zeros((1, 1, 2))
+    event = {
+        "event_times": np.zeros(1),
+        "event_partners": np.array([[0.0, -5.0]]),
+        "event_positions": np.concatenate([start[None], nobody], axis=1),
+        "event_velocities": np.concatenate([velocity[None], nobody], axis=1),
+        "event_angular_velocities": np.zeros((1, 2, 1)),
+    }
+    found = audit(scene, run | event)
+    assert found.good == right, found.where
