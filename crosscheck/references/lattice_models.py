@@ -253,3 +253,21 @@ def modes(model: str, density: float, wavevector: ArrayLike, velocity: ArrayLike
     values = values[np.argsort(np.abs(values))]
     sound, shear, _ = sorted(np.log(values[-3:]), key=lambda exponent: float(exponent.imag))
     return Modes(-shear.real, -shear.imag, -sound.real, -sound.imag, float(np.abs(values[-4])))
+
+
+def green_kubo(model: str, density: float, weights: ArrayLike, frequency: float) -> float:
+    """(sum_t C(t) cos(omega t) - C(0)/2)/chi of the moment sum_i w_i f_i of a gas at rest, links^2 per step.
+
+    C(t) = w.(1 + J)^t w, chi = c_y.c_y, by the linearised lattice Boltzmann equation: a transport coefficient at the
+    frequency of a wave, without what the length of the wave changes. U. Frisch et al. (1987).
+
+    density: d. weights: w (b,), links^2 per step^2, orthogonal to what is conserved, so that C decays. frequency:
+    omega, radians per step.
+
+    model: a name of `MODELS`, else KeyError.
+    """
+    w, c_y = np.asarray(weights, dtype=np.float64), VELOCITIES[model].cartesian[:, 1]
+    step = np.eye(len(w)) + linearised_collision(model, fermi_dirac(model, density, (0.0, 0.0)))
+    # least squares: at frequency 0 the matrix has no inverse, for what is conserved
+    sums = np.linalg.lstsq(np.eye(len(w)) - np.exp(1j * frequency) * step, w.astype(np.complex128), rcond=1e-12)[0]
+    return float((w @ sums.real - w @ w / 2) / (c_y @ c_y))

@@ -124,10 +124,10 @@ def against_green_kubo(
     """A transport coefficient measured by a wave against that of the fluctuations; and a note with Boltzmann's values.
 
     label: of the coefficient. measured: of each gas, links^2 per step. boltzmann: the coefficient by the Boltzmann
-    equation, at this k and at k = 0. found: the fluctuations of gases at rest. rate: of the wave's decay, per step; two
-    modes of its lattice decay at least at half of it, so the stress is correlated over 2/rate steps at most. Where
-    noise outweighs the tail, the sum ends earlier. frequency: of the wave, per step. loud: what its amplitude adds to
-    the coefficient, by the Boltzmann equation.
+    equation, of waves of this k, and of gases at rest at this frequency. found: the fluctuations of gases at rest.
+    rate: of the wave's decay, per step; two modes of its lattice decay at least at half of it, so the stress is
+    correlated over 2/rate steps at most. Where noise outweighs the tail, the sum ends earlier. frequency: of the wave,
+    per step. loud: what its amplitude adds to the coefficient, by the Boltzmann equation.
     """
     cumulated = found.diffusivity(frequency)
 
@@ -139,7 +139,7 @@ def against_green_kubo(
     until = min([lag for lag in (32, 64, 128, LAGS - 1) if lag <= longest], key=lambda lag: math.hypot(*to(lag)[1:]))
     green_kubo, error, tail = to(until)
     value, u = independent_mean(measured)
-    # a wave as long as this is damped differently by so much; of sound, part of it is that of the frequency
+    # a wave of this length is damped by so much more than one without end of the same frequency
     finite = boltzmann[0] - boltzmann[1]
     # what the amplitude adds depends on the coefficient itself, of which Boltzmann's equation is off by this share
     off = abs(green_kubo / boltzmann[1] - 1)
@@ -156,7 +156,8 @@ def against_green_kubo(
         doubt=tail + abs(finite) + off * abs(loud),
     )
     note = (
-        f"Boltzmann {boltzmann[1]:.4g} (at this k {boltzmann[0]:.4g}, of this amplitude {boltzmann[0] + loud:.4g}), "
+        f"Boltzmann at this k {boltzmann[0]:.4g} (without end {boltzmann[1]:.4g}, of this amplitude "
+        f"{boltzmann[0] + loud:.4g}), "
         f"Green-Kubo alone {green_kubo:.4g}({error:.2g})"
     )
     return judgement, note

@@ -25,7 +25,9 @@ from crosscheck.scene import Floats, Output
 from crosscheck.statistics import correlated_mean
 from crosscheck.verdict import Findings, Judged, Judgement, round_off, statistical, worst
 
-SIZE, SAMPLES, SPEED = 1024, 60, 0.2
+SIZE, SAMPLES, SPEED = 1024, 120, 0.2
+#: Steps between samples: the stress forgets itself within some five.
+EVERY = 25
 
 
 def _flow(laboratory: Laboratory, state: State, angle: float) -> tuple[Floats, Floats, Findings]:
@@ -36,7 +38,8 @@ def _flow(laboratory: Laboratory, state: State, angle: float) -> tuple[Floats, F
     name, density = state
     u = (SPEED * math.cos(angle), SPEED * math.sin(angle))
     start = filled(density, laboratory.seed(f"{angle:.3f}"), velocity_x=u[0], velocity_y=u[1])
-    scene = gas_scene("flow", name, SIZE, SIZE, 50 * SAMPLES, start, Output(interval=50, observables=("populations",)))
+    output = Output(interval=EVERY, observables=("populations",))
+    scene = gas_scene("flow", name, SIZE, SIZE, EVERY * SAMPLES, start, output)
     counts = populations(laboratory.run(scene, LATTICE))[:, 0, 0] / SIZE**2
     rho = float(counts[0].sum())
     velocity = counts[0] @ VELOCITIES[name].cartesian / rho

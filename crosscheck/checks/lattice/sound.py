@@ -26,7 +26,7 @@ from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import lattice_gas as known
-from crosscheck.references.lattice_models import MODELS, VELOCITIES, modes
+from crosscheck.references.lattice_models import MODELS, VELOCITIES, green_kubo, modes
 from crosscheck.references.lattice_wave import sound_wave
 from crosscheck.scene import Floats, Wave
 from crosscheck.statistics import independent_mean
@@ -113,13 +113,13 @@ def _judge_attenuation(laboratory: Laboratory, state: State) -> Judged:
     velocities = VELOCITIES[name]
     weights = velocities.cartesian[:, 1] ** 2 - known.SOUND_SPEED[name] ** 2
     rest = fluctuations(laboratory, name, density, [weights], rows)
-    theory = known.longitudinal_viscosity(name, density)
     omega = float(fits[:, 1].mean())
+    at_rest = green_kubo(name, density, weights, omega)
     linear = 2 * at_k.sound_damping / k**2
     loud = sound_wave(name, density, _LOUD, rows, signals.times)
     steepened = 2 * standing_wave(signals.times, loud, at_k.sound_damping, at_k.sound_frequency)[0] / k**2 - linear
     wave, note = against_green_kubo(
-        "nu + zeta/rho", measured, (linear, theory), rest, 2 * at_k.sound_damping, omega, steepened
+        "nu + zeta/rho", measured, (linear, at_rest), rest, 2 * at_k.sound_damping, omega, steepened
     )
     judgements = [equal_times(rest, "sound"), wave]
     if not velocities.rest:  # with a rest particle two rates mix in this moment

@@ -6,6 +6,7 @@ its formulas are wrong the test says so.
 
 from __future__ import annotations
 
+import cmath
 import math
 
 import numpy as np
@@ -18,6 +19,7 @@ from crosscheck.references.lattice_models import (
     MODELS,
     VELOCITIES,
     fermi_dirac,
+    green_kubo,
     linearised_collision,
     low_speed_equilibrium,
     modes,
@@ -199,6 +201,28 @@ def test_long_sound_is_damped_by_the_longitudinal_viscosity(name: str) -> None:
         found = modes(name, density, (0.0, k))
         assert 2 * found.sound_damping / k**2 == pytest.approx(known.longitudinal_viscosity(name, density), rel=1e-3)
         assert found.sound_frequency / k == pytest.approx(known.SOUND_SPEED[name], rel=1e-5)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_fluctuations_of_the_stress_give_the_viscosities(name: str) -> None:
+    c_x, c_y = VELOCITIES[name].cartesian.T
+    for density in (0.2, 0.5):
+        found = green_kubo(name, density, c_y**2 - known.SOUND_SPEED[name] ** 2, 0.0)
+        assert found == pytest.approx(known.longitudinal_viscosity(name, density), rel=1e-12)
+        if name != "hpp":
+            found = green_kubo(name, density, c_x * c_y, 0.0)
+            assert found == pytest.approx(known.shear_viscosity(name, density), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", FHP)
+@given(density=densities, frequency=st.floats(0.0, 3.0))
+def test_a_stress_that_decays_by_one_rate_has_the_sum_of_a_geometric_series(
+    name: str, density: float, frequency: float
+) -> None:
+    c_x, c_y = VELOCITIES[name].cartesian.T
+    kept = 1 - known.relaxation_rate(name, density)
+    expected = ((1 / (1 - kept * cmath.exp(1j * frequency))).real - 0.5) / 4
+    assert green_kubo(name, density, c_x * c_y, frequency) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", FHP)
