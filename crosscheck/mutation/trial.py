@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shutil
@@ -101,7 +102,8 @@ def _dealt(cases: list[Executed], key: Callable[[Executed], str]) -> list[Execut
 def _executes(mutant: Mutant, one: Executed) -> bool:
     """Whether a case executes the mutated statement; of a constant of the module, a line of the package with its name.
 
-    A statement of a class without a name, or of a module, counts as executed with any line of its file.
+    Or with the name of another constant that is made from it. A statement of a class without a name, or of a module,
+    counts as executed with any line of its file.
     """
     file, mutation = f"{mutant.package}/{mutant.file}", mutant.mutation
     if mutation.binds is None:
@@ -109,20 +111,47 @@ def _executes(mutant: Mutant, one: Executed) -> bool:
     default = not mutation.first <= mutation.line <= mutation.last  # a value of a function with these lines
     if default and one.executes(file, mutation.first, mutation.last):
         return True
-    users = _lines_with(mutant.package, mutation.binds)
+    users = _lines_with(mutant.package, _made_from(mutant.package, mutation.binds))
     if not users:
         return file in one.lines
     return any(one.lines.get(name, frozenset()) & lines for name, lines in users.items())
 
 
 @cache
-def _lines_with(package: str, names: tuple[str, ...]) -> dict[str, frozenset[int]]:
-    """The lines of a package in which one of the names occurs, by path."""
+def _made_from(package: str, names: tuple[str, ...]) -> tuple[str, ...]:
+    """The names, and those of constants of modules that are made from them: no case executes the lines in between."""
+    found, before = set(names), set[str]()
+    while found != before:
+        before = set(found)
+        found.update(*(bound for used, bound in _constants(package) if used & before))
+    return tuple(sorted(found))
+
+
+@cache
+def _constants(package: str) -> tuple[tuple[frozenset[str], frozenset[str]], ...]:
+    """The names that each assignment of a module of the package uses, and those that it binds."""
+    found = []
+    for file in _root(package).rglob("*.py"):
+        for statement in ast.parse(file.read_text(encoding="utf-8")).body:
+            if isinstance(statement, ast.Assign | ast.AnnAssign):
+                names = [node for node in ast.walk(statement) if isinstance(node, ast.Name)]
+                bound = frozenset(node.id for node in names if isinstance(node.ctx, ast.Store))
+                found.append((frozenset(node.id for node in names) - bound, bound))
+    return tuple(found)
+
+
+def _root(package: str) -> Path:
     import importlib
 
+    return Path(importlib.import_module(package).__path__[0])
+
+
+@cache
+def _lines_with(package: str, names: tuple[str, ...]) -> dict[str, frozenset[int]]:
+    """The lines of a package in which one of the names occurs, by path."""
     if not names:
         return {}
-    root = Path(importlib.import_module(package).__path__[0])
+    root = _root(package)
     word = re.compile(rf"\b({'|'.join(re.escape(name) for name in names)})\b")
     found = {}
     for file in root.rglob("*.py"):
@@ -144,11 +173,9 @@ class overlay:
         self._directory = Path()
 
     def __enter__(self) -> Path:
-        import importlib
-
         mutant = self._mutant
         self._directory = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
-        root = Path(importlib.import_module(mutant.package).__path__[0])
+        root = _root(mutant.package)
         shutil.copytree(root, self._directory / mutant.package)  # with the bytecode of what is not changed
         target = self._directory / mutant.package / mutant.file
         target.write_text(mutant.after, encoding="utf-8")

@@ -115,6 +115,17 @@ def test_a_constant_of_the_module_is_executed_by_who_uses_its_name() -> None:
     assert to_be_judged(mutant(("no_such_name",)), [user, other], 5)[0] == [user, other]
 
 
+def test_a_constant_that_another_is_made_from_is_executed_by_who_uses_that() -> None:
+    file = "refimpl/stepping/integrate.py"
+    lines = (Path(population("refimpl").root).parent / file).read_text().splitlines()
+    number = next(number for number, line in enumerate(lines, 1) if "SCHEMES[scheme]" in line)
+    user, other = (
+        replace(case(f"a/b/{at}", 1.0, lines=()), lines={file: frozenset({at})}) for at in (number, number + 1)
+    )
+    for name in ("_GEAR5", "SCHEMES"):  # the one is an entry of the other
+        assert to_be_judged(mutant((name,)), [user, other], 5)[0] == [user]
+
+
 def test_a_default_value_is_executed_by_who_calls_its_function_and_by_imports_that_do() -> None:
     constant = mutant(("_S11",))
     default = replace(constant, mutation=replace(constant.mutation, line=2))
