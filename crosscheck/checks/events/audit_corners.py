@@ -1,4 +1,4 @@
-"""Dense periodic gases on fields of small cells: impulses that go round corners of cells, and round the box."""
+"""Dense periodic gases on fields: impulses that go round corners of cells, small and wide, and round the box."""
 
 from __future__ import annotations
 
@@ -15,18 +15,27 @@ from crosscheck.references.event_audit import audit
 from crosscheck.scene import Box, HardSpheres, Output, Scene, explicit
 from crosscheck.verdict import Judged, bounded, worst
 
-#: Collisions of a run; of these so many go through two faces or more, one of them an end of the box.
-_COLLISIONS, _CORNERS = 150, 3
+#: Of the collisions of a run so many go through two faces or more, one of them an end of the box.
+_CORNERS = 3
 
 
 class _Gas(NamedTuple):
-    """Spheres on a lattice of so many a side, whose sites have these sides; as many cells of fields as sites."""
+    """Spheres on a lattice of so many a side, whose sites have these sides; cells of fields, and collisions of a run.
+
+    Where a cell holds several sites, an algorithm that searches cells of its own has several of these in each.
+    """
 
     sites: tuple[int, ...]
     spacing: tuple[float, ...]
+    cells: tuple[int, ...]
+    collisions: int = 150
 
 
-_GASES = {"2d": _Gas((3, 4), (1.21, 1.33)), "3d": _Gas((3, 3, 4), (1.25, 1.19, 1.31))}
+_GASES = {
+    "2d": _Gas((3, 4), (1.21, 1.33), (3, 4)),
+    "2d-wide": _Gas((4, 4), (1.21, 1.33), (2, 2), 400),
+    "3d": _Gas((3, 3, 4), (1.25, 1.19, 1.31), (3, 3, 4)),
+}
 
 
 def _scene(gas: _Gas, seed: int) -> Scene:
@@ -45,7 +54,7 @@ def _scene(gas: _Gas, seed: int) -> Scene:
         masses=tuple(rng.uniform(0.5, 2.0, number).tolist()),
         species=tuple((np.arange(number) % 2).tolist()),
         initial=explicit(x, np.asarray(rng.normal(size=x.shape))),
-        output=Output(collisions=(_COLLISIONS,), trace=True, fields=gas.sites),
+        output=Output(collisions=(gas.collisions,), trace=True, fields=gas.cells),
     )
 
 

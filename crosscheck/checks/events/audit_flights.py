@@ -25,12 +25,14 @@ _PLACES = 200
 _RADIUS, _DURATION = 1.0, 2.0
 #: Below its middle at the start: particles may begin there too.
 _FLOOR = Oscillation(amplitude=0.3, frequency=3.0, phase=2.5)
+#: At its highest place at the start; it comes back before a particle that rests there has fallen much.
+_FAST = Oscillation(amplitude=0.25, frequency=1600.0)
 
 
 class _Walls(NamedTuple):
     """dimension: of the scene. axis: of the cylinder; "" : in the plane. field: acceleration. floor: in its place.
 
-    bounce: the field leads to the wall, which any flight reaches.
+    bounce: the field leads to the wall, which any flight reaches. rest: a particle rests on a fast floor at the start.
     """
 
     dimension: int
@@ -38,6 +40,7 @@ class _Walls(NamedTuple):
     field: tuple[float, ...]
     floor: bool = False
     bounce: bool = False
+    rest: bool = False
 
 
 def _across(walls: _Walls) -> list[int]:
@@ -47,7 +50,7 @@ def _across(walls: _Walls) -> list[int]:
 def _box(walls: _Walls) -> Box:
     sides = (2.25, 3.0, 2.5)[: walls.dimension]
     if walls.floor:
-        faces = {"y-": Face(oscillation=_FLOOR)}
+        faces = {"y-": Face(oscillation=_FAST if walls.rest else _FLOOR)}
         return Box(lengths=sides, boundaries=("periodic", "hard", "periodic")[: walls.dimension], faces=faces)  # type: ignore[arg-type]
     boundaries = ["periodic"] * walls.dimension
     for axis in _across(walls):
@@ -92,7 +95,7 @@ def _chosen(walls: _Walls, draw: Callable[[int], tuple[Floats, Floats]], middle:
 
 def _scene(walls: _Walls, seed: int) -> Scene:
     rng = np.random.default_rng(seed)
-    box, d = _box(walls), walls.dimension
+    box, d, duration = _box(walls), walls.dimension, 0.05 if walls.rest else _DURATION
     assert box.lengths is not None
     sides = np.array(box.lengths)
     middle = sides / 2
@@ -102,7 +105,10 @@ def _scene(walls: _Walls, seed: int) -> Scene:
         inside = x[:, 1] < 2.0 if walls.floor else np.linalg.norm((x - middle)[:, _across(walls)], axis=1) < _RADIUS
         return x[inside], rng.normal(scale=1.6, size=(number, d))[inside]
 
-    x, v = _chosen(walls, draw, middle)
+    if walls.rest:  # no gap, and no velocity: only the curvature says that the floor leaves it
+        x, v = np.array([[1.0, _FAST.amplitude + _DIAMETER / 2]]), np.array([[0.5, 0.0]])
+    else:
+        x, v = _chosen(walls, draw, middle)
     if not walls.floor:  # the last one begins on the cylinder, outwards
         first = _across(walls)[0]
         x[-1] = middle
@@ -111,12 +117,12 @@ def _scene(walls: _Walls, seed: int) -> Scene:
     return Scene(
         name="flights",
         dimension=d,  # type: ignore[arg-type]
-        duration=_DURATION,
+        duration=duration,
         hard_spheres=HardSpheres(diameter=_DIAMETER),
         box=box,
         acceleration=walls.field,
         initial=explicit(x, v),
-        output=Output(interval=_DURATION / 10, trajectory=True, trace=True),
+        output=Output(interval=duration / 10, trajectory=True, trace=True),
     )
 
 
@@ -134,8 +140,8 @@ def _judge(laboratory: Laboratory, draw: _Draw) -> Judged:
     judgements = in_rounding(found)
     # 25 +- 3.5 reach it, at least
     few = "half of the flights reach the wall by chance; what does not happen is not judged"
-    judgements.append(bounded("events", float(found.events), _NUMBER / 5, few, at_least=True, control=True))
-    return worst(judgements, f"{found.events} events of {_NUMBER} flights")
+    judgements.append(bounded("events", float(found.events), scene.number / 5, few, at_least=True, control=True))
+    return worst(judgements, f"{found.events} events of {scene.number} flights")
 
 
 _CYLINDER = "box.cylinder box.boundaries=open"
@@ -147,6 +153,7 @@ _ALL = {
     "cylinder-x": (_Walls(3, "x", (0.4, 0.9, -1.7)), f"box.cylinder.axis=x {_CYLINDER} {_SPACE}"),
     "floor": (_Walls(2, "", (0.2, 1.5), True), _FLOORS),
     "bounces": (_Walls(2, "", (0.2, -9.0), True, True), _FLOORS),
+    "rest": (_Walls(2, "", (0.0, -9.0), True, rest=True), _FLOORS),
 }
 #: Draws of flights of the full tier, of each kind of walls.
 _OTHERS = 4
