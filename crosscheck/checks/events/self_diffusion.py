@@ -14,9 +14,9 @@ from crosscheck.statistics import mean_of_stretches
 from crosscheck.verdict import Judged, statistical
 
 #: Number of spheres; samples to the start of the window, which ends at twice that time; the longest lag shown; origins.
-DIFFUSING, WINDOW, SHOWN, ORIGINS = 1728, 10, 40, 720
+DIFFUSING, WINDOW, SHOWN, ORIGINS = 1728, 10, 40, 1200
 #: The origins in stretches that last one and a half times as long as a displacement does.
-STRETCHES = 24
+STRETCHES = 40
 
 
 def _window_start(density: float) -> float:
