@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from crosscheck.mutation.syntax import Site, Source
+from crosscheck.mutation.syntax import Site, Source, bound_names
 
 #: What an operator puts in place of a node: the node (or another one of the same site) and its new text.
 Change = tuple[ast.AST, str]
@@ -94,8 +94,7 @@ def _binds(site: Site) -> tuple[str, ...] | None:
     statement = _statement(site)
     if isinstance(statement, ast.FunctionDef):
         return (statement.name,)
-    stored = [one for one in ast.walk(statement) if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)]
-    return tuple(one.id for one in stored)
+    return bound_names(statement)
 
 
 def _number(node: ast.AST) -> int | float | None:

@@ -100,6 +100,12 @@ class Source:
         yield from _visit_all(self.tree.body, (self.tree,), module)
 
 
+def bound_names(statement: ast.stmt) -> tuple[str, ...]:
+    """The names that a statement assigns to. statement: any."""
+    names = (node for node in ast.walk(statement) if isinstance(node, ast.Name))
+    return tuple(name.id for name in names if isinstance(name.ctx, ast.Store))
+
+
 def _visit_all(nodes: list[ast.stmt] | list[ast.expr], parents: tuple[ast.AST, ...], scope: Scope) -> Iterator[Site]:
     for node in nodes:
         yield from _visit(node, parents, scope)

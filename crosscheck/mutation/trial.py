@@ -17,6 +17,7 @@ from crosscheck.engines.workers.ending import ending
 from crosscheck.mutation.coverage import Executed
 from crosscheck.mutation.draw import Mutant
 from crosscheck.mutation.judge import Judge
+from crosscheck.mutation.syntax import bound_names
 
 #: Compiled cases that one mutant is shown to, by tier: each compiles its kernels anew.
 MOST_COMPILED = {"quick": 8, "full": 30}
@@ -134,9 +135,9 @@ def _constants(package: str) -> tuple[tuple[frozenset[str], frozenset[str]], ...
     for file in _root(package).rglob("*.py"):
         for statement in ast.parse(file.read_text(encoding="utf-8")).body:
             if isinstance(statement, ast.Assign | ast.AnnAssign):
-                names = [node for node in ast.walk(statement) if isinstance(node, ast.Name)]
-                bound = frozenset(node.id for node in names if isinstance(node.ctx, ast.Store))
-                found.append((frozenset(node.id for node in names) - bound, bound))
+                bound = frozenset(bound_names(statement))
+                names = {node.id for node in ast.walk(statement) if isinstance(node, ast.Name)}
+                found.append((frozenset(names - bound), bound))
     return tuple(found)
 
 

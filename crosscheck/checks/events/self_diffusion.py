@@ -13,10 +13,11 @@ from crosscheck.scene import Floats, Output
 from crosscheck.statistics import mean_of_stretches
 from crosscheck.verdict import Judged, statistical
 
-#: Number of spheres; samples to the start of the window, which ends at twice that time; the longest lag shown; origins.
-DIFFUSING, WINDOW, SHOWN, ORIGINS = 1728, 10, 40, 1200
-#: The origins in stretches that last one and a half times as long as a displacement does.
+#: Number of spheres; samples to the start of the window, which ends at twice that time; the longest lag shown.
+DIFFUSING, WINDOW, SHOWN = 1728, 10, 40
+#: The origins, in stretches that last one and a half times as long as a displacement does.
 STRETCHES = 40
+ORIGINS = STRETCHES * 3 * WINDOW
 
 
 def _window_start(density: float) -> float:
