@@ -11,6 +11,7 @@ from typing import Annotated, NoReturn, Optional
 import typer
 
 from crosscheck.engines.workers.ending import TIME_LIMIT, interruptible
+from crosscheck.trajectories.writers import names as format_names
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -208,6 +209,15 @@ def simulate(
         Optional[Path],  # noqa: UP045
         typer.Option(help="Go on from this file, restart-<engine>.npz of an earlier run of the scene."),
     ] = None,
+    formats: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(
+            "--format",
+            "-f",
+            metavar="NAME",
+            help=f"Format of the trajectories: {', '.join(format_names())}. Repeatable. Default: extxyz.",
+        ),
+    ] = None,
 ) -> None:
     """Run a scene; print a summary, and write all that it records, and a picture, of several engines side by side.
 
@@ -215,7 +225,11 @@ def simulate(
     """
     from crosscheck import commands
 
-    raise typer.Exit(interruptible(lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit, restart)))
+    raise typer.Exit(
+        interruptible(
+            lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit, restart, tuple(formats or ()))
+        )
+    )
 
 
 @app.command()

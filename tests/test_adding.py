@@ -163,23 +163,29 @@ class Engine(RefimplEngine):
     assert done.returncode == 0
 
 
-def test_a_trajectory_format(copy: Path, command: COMMAND, tmp_path: Path) -> None:
-    """One record of the table of formats: simulate writes it beside the others."""
-    file = copy / "crosscheck" / "simulate" / "trajectory.py"
-    text = file.read_text()
-    file.write_text(
-        text
-        + """
+FORMAT = '''
+"""Numbers of samples and particles."""
 
-def _write_count(path, trajectory):
+from crosscheck.trajectories.formats import Format
+
+
+def write(path, trajectory):
     path.write_text(f"{len(trajectory.time)} samples of {trajectory.positions.shape[1]} particles\\n")
 
 
-FORMATS = (*FORMATS, Format("txt", _write_count, ()))
-"""
-    )
+FORMAT = Format("txt", write)
+'''
+
+
+def test_a_trajectory_format(copy: Path, command: COMMAND, tmp_path: Path) -> None:
+    """One file in the folder of the writers: `--format` takes its name, and its help and messages have it."""
+    (copy / "crosscheck" / "trajectories" / "writers" / "count.py").write_text(FORMAT)
     (tmp_path / "two.toml").write_text(SCENE.replace("top_speed", "kinetic_energy"))
-    done = command("simulate", "two.toml", "-o", "out")
+    done = command("simulate", "two.toml", "-o", "out", "--format", "count", "--format", "dump")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / "trajectory-refimpl.txt").read_text() == "3 samples of 2 particles\n"
-    assert (tmp_path / "out" / "trajectory-refimpl.extxyz").is_file()
+    assert (tmp_path / "out" / "trajectory-refimpl.lammpsdump").is_file()
+    refused = command("simulate", "two.toml", "-o", "out", "--format", "counts")
+    assert refused.returncode == 2
+    assert refused.stderr == "crosscheck: --format counts: unknown; take count, dump, extxyz, gsd, npz\n"
+    assert "count, dump, extxyz, gsd" in " ".join(command("simulate", "--help").stdout.replace("│", " ").split())

@@ -30,6 +30,7 @@ FLOORS = (
     ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence", "crosscheck.pairs"),
     ("crosscheck.references",),
     ("crosscheck.engines",),
+    ("crosscheck.trajectories",),
     ("crosscheck.checks",),
     ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner", "crosscheck.status", "crosscheck.calibration"),
     ("crosscheck.mutation",),

@@ -145,6 +145,7 @@ def _ase(path: Path) -> Configuration:
         arrays.get("angular_velocities"),
         arrays.get("masses"),
         2 * arrays["radius"] if "radius" in arrays else None,
+        _whole("species_number", arrays["species_number"]) if "species_number" in arrays else None,
         names=None if set(symbols) <= {"X"} else symbols,
         lower=np.zeros(3) if boxed else None,
         sides=np.diag(cell) if boxed else None,
@@ -185,11 +186,14 @@ def _dump(path: Path, opened: Any) -> Configuration:
             raise ValueError("two particles have the same id")
         order = np.argsort(ids)
         table = {name: [column[k] for k in order] for name, column in table.items()}
-    return _particles(table, *_bounds(box, frame[box]))
+    lower, sides, kinds = _bounds(box, frame[box])
+    found = _particles(table, lower, sides, tuple(kind == "pp" for kind in kinds))
+    # a face that goes with the outermost particle ("s", "m") is no side of a box
+    return found._replace(sides=np.where([bool(set(kind) & {"s", "m"}) for kind in kinds], 0.0, sides))
 
 
-def _bounds(title: str, lines: list[str]) -> tuple[Floats, Floats, tuple[bool, ...]]:
-    """Lower corner, sides and periodic axes; ValueError for a tilted box."""
+def _bounds(title: str, lines: list[str]) -> tuple[Floats, Floats, list[str]]:
+    """Lower corner, sides, and the letters of the boundaries of each axis; ValueError for a tilted box."""
     flags = title.split()[2:]
     rows = [_numbers(line.split()) for line in lines]
     if len(rows) != 3 or any(len(row) < 2 for row in rows):
@@ -198,7 +202,7 @@ def _bounds(title: str, lines: list[str]) -> tuple[Floats, Floats, tuple[bool, .
         raise ValueError("its box is tilted, a scene's is not: convert it to an orthogonal one")
     kinds = [flag for flag in flags if flag not in ("xy", "xz", "yz")] or ["ff"] * 3
     low, high = np.array([row[:2] for row in rows]).T
-    return low, high - low, tuple(kind == "pp" for kind in kinds)
+    return low, high - low, kinds
 
 
 def _particles(table: dict[str, list[str]], lower: Floats, sides: Floats, periodic: tuple[bool, ...]) -> Configuration:

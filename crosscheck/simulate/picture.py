@@ -27,8 +27,8 @@ from crosscheck.simulate.panels import (
     limits_of_maps,
     panels,
 )
-from crosscheck.simulate.trajectory import in_space
 from crosscheck.text import printable
+from crosscheck.trajectories.trajectory import in_space
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,7 +22,7 @@ from crosscheck.simulate.picture import draw_picture
 from crosscheck.simulate.progress import shown
 from crosscheck.simulate.restart import Restart, check_version, going_on, read_restart, write_restart
 from crosscheck.simulate.summary import Difference, Row, compare, distances, endings, row
-from crosscheck.simulate.trajectory import write_trajectories
+from crosscheck.trajectories.formats import DEFAULT, check_formats, write_trajectories
 
 
 def shipped_scenes() -> list[str]:
@@ -70,6 +70,7 @@ def simulate(
     out: Path,
     time_limit: float = TIME_LIMIT,
     restart: Path | None = None,
+    formats: Sequence[str] = (),
 ) -> Simulation:
     """Runs a scene on each engine with the scene's own method, and writes the results.
 
@@ -77,16 +78,18 @@ def simulate(
     to write to, made if it is not there. <engine> in the names of files is the name, or the file and the class:
     arrays-<engine>.npz with all arrays; observables-<engine>.csv with what has a value per sample;
     particles-, fields-, blocks-, rows- and sites-<engine>.csv with what has one per particle, cell ...;
-    trajectory-<engine>.<format>; each where the scene records such a thing; restart-<engine>.npz of engines that can go
+    trajectory-<engine>.<suffix>; each where the scene records such a thing; restart-<engine>.npz of engines that can go
     on from one; picture.png and picture.svg. Files of the simulation before in this directory are removed. time_limit:
     seconds that one call of an engine may take. restart: a restart file to go on from; None: the run begins at the
-    scene's initial state.
+    scene's initial state. formats: of the trajectories, names of `crosscheck.trajectories.formats`; none: extended XYZ,
+    of a scene that records one.
 
     UsageError if the scene is not valid or has no [method], if an engine is missing or cannot run the scene, if files
-    cannot be written, and if the restart file is damaged, or of another scene, method or engine. EngineError if every
-    engine failed.
+    cannot be written, if a format is unknown, or asked for of a scene without a trajectory, and if the restart file is
+    damaged, or of another scene, method or engine. EngineError if every engine failed.
     """
     loaded = load(scene)
+    check_formats(formats, loaded)
     method = _method(loaded)
     if len(set(map(_identity, engines))) < len(engines):
         raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
@@ -108,7 +111,7 @@ def simulate(
             paths, remark = write_places(files.scratch, name, loaded, method, result)
             written += paths
             remarks += [remark] if remark else []
-            written += write_trajectories(files.scratch, name, loaded, result.run)
+            written += write_trajectories(files.scratch, name, loaded, result.run, method, formats or DEFAULT)
         written += _write_restarts(files.scratch, loaded, method, states, results, before)
         compared = differences(*results) if len(results) == 2 else {}
         try:

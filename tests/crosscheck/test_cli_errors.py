@@ -122,6 +122,18 @@ def test_a_scene_is_not_started_where_its_files_cannot_be(place: Path, refused: 
     )
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["-f", "pdb\n"], "--format pdb\\n: unknown; take dump, extxyz, gsd, npz"),
+        (["-f", "gsd", "-f", "dump"], "--format gsd: scene a records no trajectory: set output.trajectory = true, "),
+    ],
+)
+def test_a_trajectory_that_cannot_be_written(place: Path, refused: Any, words: list[str], message: str) -> None:
+    (place / "scene.toml").write_text(tomli_w.dumps(SPRING))
+    assert refused("simulate", "scene.toml", *words).startswith(message)
+
+
 @pytest.mark.parametrize("words", [["report", "."], ["run", CASE, "-e", "refimpl", "--resume", "."]])
 def test_a_damaged_record_is_one_line(place: Path, refused: Any, words: list[str]) -> None:
     line = Record(place, {"seed": 0}).append(Verdict("a/b", "c", "refimpl", "error", None, "", {"seconds": 0.1}))

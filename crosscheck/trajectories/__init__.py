@@ -1,0 +1,1 @@
+"""Trajectories: what they hold, and their files."""
