@@ -1,4 +1,4 @@
-"""The command line: list, run, simulate, report, show, engines, prove, calibrate."""
+"""The command line: list, run, simulate, report, export, show, engines, prove, calibrate."""
 
 from __future__ import annotations
 
@@ -238,6 +238,17 @@ def report(directory: Annotated[Path, typer.Argument(help="Directory of a run.")
     from crosscheck import commands
 
     commands.report(directory)
+
+
+@app.command()
+def export(
+    record: Annotated[Path, typer.Argument(help="Directory of a run, or its record.")],
+    file: Annotated[Path, typer.Argument(help="File to write: .csv, or .parquet, which needs pyarrow.")],
+) -> None:
+    """Write a record as a flat table for analysis, a row for each judgement."""
+    from crosscheck import commands
+
+    commands.export(record, file)
 
 
 def _open_standard_streams() -> None:

@@ -7,10 +7,11 @@ damaged, edited, or of another version. Fields that are not known are left alone
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal, NoReturn, NotRequired
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, NoReturn, NotRequired, get_args, get_origin, get_type_hints
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, TypeAdapter, ValidationError
-from typing_extensions import TypedDict
+from typing_extensions import TypedDict, is_typeddict
 
 from crosscheck.text import shortened
 from crosscheck.verdict import Kind, Outcome, Sense
@@ -217,6 +218,33 @@ class _OldLine(_Common):
 
 
 _FORMS: dict[int, TypeAdapter[Any]] = {1: TypeAdapter(_OldLine), 2: TypeAdapter(_Line)}
+
+
+def leaves() -> dict[str, type]:
+    """The fields of a line and of its judgements that hold one value, by their paths, with their types.
+
+    A path has the names joined by dots, as "judgements.criterion.kind"; "cost.*" stands for every name in `cost`. The
+    types are str, bool, int, and float for a number; any may be null. What figures hold is left out.
+    """
+    return dict(_leaves(_Line, ""))
+
+
+def _leaves(form: Any, path: str) -> Iterator[tuple[str, type]]:
+    kinds = [kind for kind in get_args(form) if kind is not type(None)]
+    if is_typeddict(form):
+        for name, kind in get_type_hints(form).items():
+            yield from _leaves(kind, f"{path}.{name}".removeprefix("."))
+    elif get_origin(form) is list:
+        if kinds[0] is not _Figure:
+            yield from _leaves(kinds[0], path)
+    elif get_origin(form) is dict:
+        yield from _leaves(kinds[1], f"{path}.*")
+    elif get_origin(form) is Literal:
+        yield path, str
+    elif kinds:  # with null
+        yield from _leaves(kinds[0], path)
+    else:
+        yield path, form
 
 
 def parse(text: str) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The commands of the command line: what each does and prints. `cli` has their options."""
 
 from crosscheck.commands.calibrating import calibrate
+from crosscheck.commands.exporting import export
 from crosscheck.commands.listing import engines, list_checks, report, show
 from crosscheck.commands.mutating import Sample, mutate
 from crosscheck.commands.proving import prove
@@ -8,5 +9,5 @@ from crosscheck.commands.running import run
 from crosscheck.commands.simulating import simulate
 
 __all__ = [
-    "Sample", "calibrate", "engines", "list_checks", "mutate", "prove", "report", "run", "show", "simulate",
+    "Sample", "calibrate", "engines", "export", "list_checks", "mutate", "prove", "report", "run", "show", "simulate",
 ]  # fmt: skip

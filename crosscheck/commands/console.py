@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
+from crosscheck.files import shown_path
 from crosscheck.record import FILE, is_torn
 from crosscheck.text import printable
 
@@ -47,7 +48,8 @@ def that_pay(jobs: int | None, things: int) -> int:
     return min(jobs or most, most)
 
 
-def say_if_torn(directory: Path) -> None:
-    """Says on stderr if the record in `directory` ends in the middle of a line."""
-    if is_torn(directory):
-        print(f"crosscheck: {directory / FILE}: its last line is incomplete, and does not count", file=sys.stderr)
+def say_if_torn(path: Path) -> None:
+    """Says on stderr if a record ends in the middle of a line. path: of the record, or of its directory."""
+    if is_torn(path):
+        file = path / FILE if path.is_dir() else path
+        print(f"crosscheck: {shown_path(file)}: its last line is incomplete, and does not count", file=sys.stderr)

@@ -134,7 +134,23 @@ def test_a_trajectory_that_cannot_be_written(place: Path, refused: Any, words: l
     assert refused("simulate", "scene.toml", *words).startswith(message)
 
 
-@pytest.mark.parametrize("words", [["report", "."], ["run", CASE, "-e", "refimpl", "--resume", "."]])
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([".", "table.xlsx"], "table.xlsx: its suffix says the format: give a file .csv or .parquet"),
+        ([".", "directory/no/table.csv"], ".: there is no record.jsonl"),
+        (["file", "file/table.csv"], "file: cannot be a directory for table.csv (file is a file)"),
+        (["nowhere", "table.csv"], "nowhere: there is no record.jsonl"),
+        (["pipe", "table.csv"], "pipe: cannot be read (it is a pipe)"),
+    ],
+)
+def test_a_table_that_cannot_be_written(place: Path, refused: Any, words: list[str], message: str) -> None:
+    assert message in refused("export", *words)
+
+
+@pytest.mark.parametrize(
+    "words", [["report", "."], ["export", ".", "t.csv"], ["run", CASE, "-e", "refimpl", "--resume", "."]]
+)
 def test_a_damaged_record_is_one_line(place: Path, refused: Any, words: list[str]) -> None:
     line = Record(place, {"seed": 0}).append(Verdict("a/b", "c", "refimpl", "error", None, "", {"seconds": 0.1}))
     for name, number in (("cost", 2), ("message", 3)):
