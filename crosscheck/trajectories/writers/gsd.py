@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from crosscheck.scene import Floats
 from crosscheck.trajectories.formats import Format
 from crosscheck.trajectories.trajectory import Trajectory, box_around
 
+#: Arrays by the names of their chunks.
+Chunks: TypeAlias = dict[str, NDArray[Any]]
 #: HOOMD's images are whole numbers of 32 bits.
 _MOST_IMAGES = 2**31 - 1
 
@@ -40,57 +42,69 @@ def write(path: Path, trajectory: Trajectory) -> None:
     trajectory: what to write.
     """
     import gsd.fl
-    import gsd.hoomd
 
-    lower, upper = np.ascontiguousarray(box_around(trajectory).T)
-    with np.errstate(over="ignore", under="ignore"), _in_utf8(path) as name:
-        sides = upper - lower
-        file = gsd.fl.open(name, "w", application="particle-crosscheck", schema="hoomd", schema_version=[1, 4])
-        with gsd.hoomd.HOOMDTrajectory(file) as frames:
-            for sample, step in enumerate(trajectory.steps.tolist()):
-                frame = gsd.hoomd.Frame()
-                frame.configuration.step = step
-                frame.configuration.dimensions = max(trajectory.dimension, 2)
-                frame.configuration.box = np.array([*sides, 0, 0, 0], dtype=np.float32)
-                _set_particles(frame.particles, trajectory, sample, lower, sides)
-                frame.log = _log(trajectory, sample)
-                if sample == 0:
-                    frame.log |= {"box_lower": lower, "box_sides": sides, "cell": trajectory.cell}
-                frames.append(frame)
+    lower, upper = box_around(trajectory).T
+    # not `gsd.hoomd`, which leaves out what is equal to HOOMD's defaults, as diameters of 1: OVITO has other ones
+    with (
+        np.errstate(over="ignore", under="ignore"),
+        _in_utf8(path) as name,
+        gsd.fl.open(name, "w", "particle-crosscheck", "hoomd", [1, 4]) as file,
+    ):
+        for sample in range(len(trajectory.time)):
+            chunks = _of_sample(trajectory, sample, lower, upper - lower)
+            if sample == 0:
+                chunks |= _constants(trajectory, lower, upper - lower)
+            for chunk, values in chunks.items():
+                file.write_chunk(chunk, np.ascontiguousarray(values))
+            file.end_frame()
 
 
-def _set_particles(particles: Any, trajectory: Trajectory, sample: int, lower: Floats, sides: Floats) -> None:
-    """HOOMD's chunks of one frame; those that are as in frame 0 are not written again.
-
-    lower, sides: of the box, (3,), length.
-    """
+def _constants(trajectory: Trajectory, lower: Floats, sides: Floats) -> Chunks:
+    """Chunks of frame 0, which hold for all frames. lower, sides: of the box, (3,), length."""
     numbers, kinds = np.unique(trajectory.species_of_all, return_inverse=True)
-    more = trajectory.more
-    particles.N = kinds.size
-    particles.types = [str(number) for number in numbers]
-    particles.typeid = kinds.astype(np.uint32)
-    particles.mass = trajectory.masses.astype(np.float32)
-    if "radius" in more:
-        particles.diameter = (2 * more["radius"]).astype(np.float32)
-    particles.position, particles.image = wrapped(trajectory.positions[sample], lower, sides, trajectory.periodic)
-    if "velocities" in more:
-        particles.velocity = more["velocities"][sample].astype(np.float32)
-    if "moment_of_inertia" in more:
+    names = numbers.astype(np.bytes_)
+    log: Chunks = {
+        "box_lower": lower,
+        "box_sides": sides,
+        "cell": trajectory.cell,
+        "particles/masses": trajectory.masses,
+    }
+    log |= {f"particles/{name}": values for name, values in trajectory.more.items() if values.ndim == 1}
+    chunks: Chunks = {
+        "configuration/dimensions": np.array([max(trajectory.dimension, 2)], dtype=np.uint8),
+        "configuration/box": np.array([*sides, 0, 0, 0], dtype=np.float32),
+        "particles/N": np.array([kinds.size], dtype=np.uint32),
+        # each name ends with a zero
+        "particles/types": np.pad(names.view(np.int8).reshape(numbers.size, -1), ((0, 0), (0, 1))),
+        "particles/typeid": kinds.astype(np.uint32),
+        "particles/mass": trajectory.masses.astype(np.float32),
+    }
+    if "radius" in trajectory.more:
+        chunks["particles/diameter"] = (2 * trajectory.more["radius"]).astype(np.float32)
+    if "moment_of_inertia" in trajectory.more:
         axes = [0.0, 0.0, 1.0] if trajectory.dimension == 2 else [1.0, 1.0, 1.0]
-        moments = more["moment_of_inertia"][:, None]
-        particles.moment_inertia = (moments * axes).astype(np.float32)
-        momenta = 2 * moments * more["angular_velocities"][sample]
-        particles.angmom = np.pad(momenta, ((0, 0), (1, 0))).astype(np.float32)
+        moments = trajectory.more["moment_of_inertia"][:, None] * axes
+        chunks["particles/moment_inertia"] = moments.astype(np.float32)
+    return chunks | {f"log/{name}": values for name, values in log.items()}
 
 
-def _log(trajectory: Trajectory, sample: int) -> dict[str, Floats]:
-    """What is written in double precision; the constants of the particles in frame 0 alone."""
-    log = {"time": trajectory.time[[sample]], "particles/positions": trajectory.positions[sample]}
-    log |= {f"particles/{name}": values[sample] for name, values in trajectory.more.items() if values.ndim > 1}
-    if sample == 0:
-        log |= {f"particles/{name}": values for name, values in trajectory.more.items() if values.ndim == 1}
-        log["particles/masses"] = trajectory.masses
-    return log
+def _of_sample(trajectory: Trajectory, sample: int, lower: Floats, sides: Floats) -> Chunks:
+    """Chunks of every frame: of this sample. lower, sides: of the box, (3,), length."""
+    more = trajectory.more
+    position, image = wrapped(trajectory.positions[sample], lower, sides, trajectory.periodic)
+    log: Chunks = {"time": trajectory.time[[sample]], "particles/positions": trajectory.positions[sample]}
+    log |= {f"particles/{name}": values[sample] for name, values in more.items() if values.ndim > 1}
+    chunks: Chunks = {
+        "configuration/step": trajectory.steps[[sample]].astype(np.uint64),
+        "particles/position": position,
+        "particles/image": image,
+    }
+    if "velocities" in more:
+        chunks["particles/velocity"] = more["velocities"][sample].astype(np.float32)
+    if "moment_of_inertia" in more:
+        momenta = 2 * more["moment_of_inertia"][:, None] * more["angular_velocities"][sample]
+        chunks["particles/angmom"] = np.pad(momenta, ((0, 0), (1, 0))).astype(np.float32)
+    return chunks | {f"log/{name}": values for name, values in log.items()}
 
 
 def wrapped(

@@ -89,7 +89,7 @@ def points(**more):
         "more": {
             "velocities": velocities,
             "angular_velocities": spins,
-            "radius": np.array([0.25, 0.5, 1.0]),
+            "radius": np.array([0.5, 0.5, 0.5]),
             "moment_of_inertia": np.array([0.1, 0.2, 0.3]),
         },
     }
@@ -119,19 +119,28 @@ def test_angular_momenta_are_those_of_hoomd(tmp_path, dimension):
             assert momentum_of_body[:, 1:] == pytest.approx(expected, rel=4 * 2**-23, abs=0)
 
 
-def test_what_does_not_change_is_written_once(tmp_path):
+ONCE = {
+    "configuration/box", "configuration/dimensions", "particles/N", "particles/types", "particles/typeid",
+    "particles/mass", "particles/diameter", "particles/moment_inertia", "log/particles/masses", "log/particles/radius",
+    "log/particles/moment_of_inertia", "log/box_lower", "log/box_sides", "log/cell",
+}  # fmt: skip
+ALWAYS = {
+    "configuration/step", "particles/position", "particles/image", "particles/velocity", "particles/angmom",
+    "log/particles/positions", "log/particles/velocities", "log/particles/angular_velocities", "log/time",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("value", [0.3, 1.0, 0.0])
+def test_what_does_not_change_is_written_once_and_what_is_a_default_of_hoomd_too(tmp_path, value):
+    """HOOMD's default of diameters and masses is 1, that of all else 0; other readers have other ones, or none."""
     disks = points()
+    more = {name: np.full_like(values, value / 2) for name, values in disks.more.items()}
+    disks = replace(disks, masses=np.full(3, value), positions=np.full((3, 3, 3), value), more=more, species=None)
     with gsd.fl.open(str(written(tmp_path, disks)), "r") as file:
-        once = [
-            name for name in file.find_matching_chunk_names("") if not file.chunk_exists(1, name)
-        ]  # of those that are there
-        assert set(once) >= {
-            "configuration/box", "configuration/dimensions", "particles/N", "particles/types", "particles/typeid",
-            "particles/mass", "particles/diameter", "particles/moment_inertia", "log/particles/masses",
-            "log/particles/radius", "log/particles/moment_of_inertia", "log/box_lower", "log/cell",
-        }  # fmt: skip
-        again = {"particles/position", "particles/velocity", "particles/angmom", "log/particles/positions", "log/time"}
-        assert all(file.chunk_exists(k, name) for k in range(3) for name in again)
+        names = [set(filter(lambda name, k=k: file.chunk_exists(k, name), ONCE | ALWAYS)) for k in range(3)]
+        assert set(file.find_matching_chunk_names("")) == ONCE | ALWAYS
+        assert names == [ONCE | ALWAYS, ALWAYS, ALWAYS]
+        assert file.read_chunk(0, "particles/diameter").tolist() == [np.float32(value)] * 3
 
 
 @given(
