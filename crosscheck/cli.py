@@ -112,8 +112,8 @@ def run(
 ) -> None:
     """Simulate, compare, judge, and write the record and the report.
 
-    Exit status: 0 all pass, 1 a check failed or ended in error, 2 bad usage or input, 3 a verdict is inconclusive, 4
-    nothing was judged (at all, or of an engine named by --engine or --require), 130 after Ctrl-C, 143 after
+    Exit status: 0 all pass, 1 a check failed, 2 bad usage or input, 3 a verdict is inconclusive, 4 a case could not
+    run, or nothing was judged (at all, or of an engine named by --engine or --require), 130 after Ctrl-C, 143 after
     SIGTERM.
     """
     from crosscheck import commands
@@ -166,7 +166,8 @@ def prove(
 
     With --mutate: random mutations, each judged by the cases of these checks that execute it; the share that is caught.
 
-    Exit status: 0 if all faults are seen, or the sample is complete, 1 if not, 2 bad usage or input.
+    Exit status: 0 if all faults are seen, or the sample is complete, 1 if one is not seen, 2 bad usage or input, 4 if
+    a case could not run.
     """
     from crosscheck import commands
 
@@ -188,8 +189,8 @@ def calibrate(
 ) -> None:
     """Judge statistical cases with many seeds: p-values must be uniform, and deviations seen that should be.
 
-    Exit status: 0 if so, 1 if the p-values of a quantity are not uniform or a case ended in error, 2 bad usage or
-    input.
+    Exit status: 0 if so, 1 if the p-values of a quantity are not uniform, 2 bad usage or input, 4 if a case could not
+    run, or nothing is judged statistically.
     """
     from crosscheck import commands
 
@@ -211,7 +212,7 @@ def simulate(
 ) -> None:
     """Run a scene; print a summary, and write all that it records, and a picture, of several engines side by side.
 
-    Exit status: 0 the runs went to their end, 1 one diverged or stopped, 2 bad usage or input.
+    Exit status: 0 the runs went to their end, 1 one diverged or stopped, 2 bad usage or input, 4 an engine failed.
     """
     from crosscheck import commands
 
@@ -240,8 +241,8 @@ def _open_standard_streams() -> None:
 def main() -> None:
     """Entry point, the one place where exceptions become messages and an exit status.
 
-    UsageError, and an OSError of any file: a line, status 2. EngineError: status 1. Too little memory: 2. Output into
-    a pipe that was closed, as by `head`, ends quietly, with status 1.
+    UsageError, and an OSError of any file: a line, status 2. EngineError: status 4. Too little memory: 2. Output into
+    a pipe that was closed, as by `head`, ends quietly, with status 141, as of a program that SIGPIPE ends.
     """
     from crosscheck.errors import EngineError, UsageError
 
@@ -255,28 +256,45 @@ def main() -> None:
             if sys.stdout is not None:
                 sys.stdout.flush()
     except BrokenPipeError:
-        _drop_output()
-        sys.exit(1)
+        _end_quietly()
+    except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):  # typer takes it for status 1, which is of wrong physics
+            _end_quietly()
+        raise
     except UsageError as error:
-        _complain(str(error), 2)
+        _complain(str(error), "USAGE")
     except EngineError as error:
-        _complain(str(error), 1)
+        _complain(str(error), "UNJUDGED")
     except OSError as error:
         from crosscheck.files import shown_path
 
         if error.filename is None:  # whatever is written to a file of the user names it: see `files.naming`
             _drop_output()
-            _complain(f"output: {error.strerror or error}", 2)
-        _complain(f"{shown_path(os.fsdecode(error.filename))}: {error.strerror or error}", 2)
+            _complain(f"output: {error.strerror or error}", "USAGE")
+        _complain(f"{shown_path(os.fsdecode(error.filename))}: {error.strerror or error}", "USAGE")
     except MemoryError:
-        _complain("not enough memory: take fewer particles, samples or cells", 2)
+        _complain("not enough memory: take fewer particles, samples or cells", "USAGE")
 
 
-def _complain(message: str, status: int) -> NoReturn:
+def _status(name: str) -> int:
+    """The number of an exit status. name: in the table of them, which is imported once a command has ended badly."""
+    from crosscheck.status import Status
+
+    return int(Status[name])
+
+
+def _complain(message: str, status: str) -> NoReturn:
+    """Prints a message, and ends with a status by its name."""
     from crosscheck.text import printable
 
     print(f"crosscheck: {printable(message, keep=chr(10))}", file=sys.stderr)
-    sys.exit(status)
+    sys.exit(_status(status))
+
+
+def _end_quietly() -> NoReturn:
+    """Ends without a word, where nobody reads the output any more."""
+    _drop_output()
+    sys.exit(_status("PIPE_CLOSED"))
 
 
 def _drop_output() -> None:
