@@ -1,4 +1,4 @@
-"""The command line: list, run, simulate, report, show, engines, prove, calibrate."""
+"""The command line: list, run, diff, baseline, simulate, report, show, engines, prove, calibrate."""
 
 from __future__ import annotations
 
@@ -63,6 +63,10 @@ TimeLimit = Annotated[
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", "-o", help="Directory for the record and the report.")]
+Summary = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="Also write a summary in Markdown to this file. It is always added to $GITHUB_STEP_SUMMARY."),
+]
 
 
 @app.command("list")
@@ -109,12 +113,17 @@ def run(
     allow_inconclusive: Annotated[
         bool, typer.Option("--allow-inconclusive", help="Inconclusive verdicts count as passed.")
     ] = False,
+    baseline: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Compare with this baseline: what it knows of is not red, what is worse than it is."),
+    ] = None,
+    summary: Summary = None,
 ) -> None:
     """Simulate, compare, judge, and write the record and the report.
 
     Exit status: 0 all pass, 1 a check failed, 2 bad usage or input, 3 a verdict is inconclusive, 4 a case could not
     run, or nothing was judged (at all, or of an engine named by --engine or --require), 130 after Ctrl-C, 143 after
-    SIGTERM.
+    SIGTERM. With --baseline it follows from what differs from the baseline, as of `diff`.
     """
     from crosscheck import commands
 
@@ -132,6 +141,8 @@ def run(
                 require or [],
                 allow_inconclusive,
                 time_limit,
+                baseline,
+                summary,
             )
         )
     )
@@ -217,6 +228,53 @@ def simulate(
     from crosscheck import commands
 
     raise typer.Exit(interruptible(lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit, restart)))
+
+
+@app.command()
+def diff(
+    old: Annotated[Path, typer.Argument(help="Directory of a run, its record, or a baseline.")],
+    new: Annotated[Path, typer.Argument(help="The same of what is compared with it.")],
+    beside: Annotated[
+        str, typer.Option(metavar="ENGINE", help="Engine of both runs that the times of the others are compared with.")
+    ] = "refimpl",
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON document instead of text.")] = False,
+    summary: Summary = None,
+) -> None:
+    """Say what differs between two runs: new failures, changes beyond uncertainty, what is slower or no longer tested.
+
+    Exit status: 0 nothing worse, 1 a new failure, a change beyond uncertainty, or more operations, 2 bad usage or
+    input, 3 what was decided is inconclusive now, 4 no longer tested, could not run, or nothing to compare.
+    """
+    from crosscheck import commands
+
+    raise typer.Exit(commands.diff(old, new, beside, as_json, summary))
+
+
+baselines = typer.Typer(no_args_is_help=True, help="Edit the file of the results that are known, docs/regression.md.")
+app.add_typer(baselines, name="baseline")
+
+
+@baselines.command()
+def accept(
+    checks: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names. Default: all.")] = None,  # noqa: UP045
+    engine: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--engine", "-e", help="Engine whose results are accepted. Repeatable. Default: all of the run."),
+    ] = None,
+    baseline: Annotated[Path, typer.Option(help="The file, made if it is not there.")] = Path(
+        "crosscheck-baseline.txt"
+    ),
+    run: Annotated[Path, typer.Option("--from", help="Directory of the run whose results are accepted.")] = Path(
+        "crosscheck-out"
+    ),
+) -> None:
+    """Write results of a run into the baseline, whatever they are; other lines stay as they are.
+
+    Exit status: 0, or 2 on bad usage or input.
+    """
+    from crosscheck import commands
+
+    raise typer.Exit(commands.accept_baseline(checks or [], engine or [], baseline, run))
 
 
 @app.command()

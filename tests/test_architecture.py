@@ -34,7 +34,7 @@ FLOORS = (
     ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner", "crosscheck.status", "crosscheck.calibration"),
     ("crosscheck.mutation",),
     ("crosscheck.painter", "crosscheck.report"),
-    ("crosscheck.simulate", "crosscheck.documents"),
+    ("crosscheck.simulate", "crosscheck.documents", "crosscheck.regression"),
     ("crosscheck.commands",),
     ("crosscheck.cli",),
 )

@@ -4,9 +4,11 @@ from crosscheck.commands.calibrating import calibrate
 from crosscheck.commands.listing import engines, list_checks, report, show
 from crosscheck.commands.mutating import Sample, mutate
 from crosscheck.commands.proving import prove
+from crosscheck.commands.regressing import accept_baseline, diff
 from crosscheck.commands.running import run
 from crosscheck.commands.simulating import simulate
 
 __all__ = [
-    "Sample", "calibrate", "engines", "list_checks", "mutate", "prove", "report", "run", "show", "simulate",
+    "Sample", "accept_baseline", "calibrate", "diff", "engines", "list_checks", "mutate", "prove", "report", "run",
+    "show", "simulate",
 ]  # fmt: skip
