@@ -95,9 +95,11 @@ def what(entry: Entry) -> str:
 
 
 def _remark(entry: Entry) -> str:
-    share = entry.share
+    share, old, new = entry.share, entry.old, entry.new
     moved = ""
-    if share is not None and share > 1:
+    # where the outcome is another one, that says it
+    told = old is not None and new is not None and (old.outcome == new.outcome or entry.category == "changed")
+    if told and share is not None and share > 1:
         moved = f"moved by {_times(share)} what two right runs differ by at most"
     return "; ".join(filter(None, (moved, entry.message)))
 
