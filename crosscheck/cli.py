@@ -65,7 +65,7 @@ TimeLimit = Annotated[
 Out = Annotated[Path, typer.Option("--out", "-o", help="Directory for the record and the report.")]
 Summary = Annotated[
     Optional[Path],  # noqa: UP045
-    typer.Option(help="Also write a summary in Markdown to this file. It is always added to $GITHUB_STEP_SUMMARY."),
+    typer.Option(help="Also write a summary in Markdown to this file, as it is added to $GITHUB_STEP_SUMMARY."),
 ]
 
 
@@ -115,7 +115,7 @@ def run(
     ] = False,
     baseline: Annotated[
         Optional[Path],  # noqa: UP045
-        typer.Option(help="Compare with this baseline: what it knows of is not red, what is worse than it is."),
+        typer.Option(help="File of known results: failures that it knows do not turn the run red, what is worse does."),
     ] = None,
     summary: Summary = None,
 ) -> None:
