@@ -1,4 +1,4 @@
-"""The command line: list, run, simulate, report, export, show, engines, prove, calibrate."""
+"""The command line: list, run, diff, baseline, simulate, report, export, show, engines, prove, calibrate."""
 
 from __future__ import annotations
 
@@ -64,6 +64,10 @@ TimeLimit = Annotated[
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", "-o", help="Directory for the record and the report.")]
+Summary = Annotated[
+    Optional[Path],  # noqa: UP045
+    typer.Option(help="Also write a summary in Markdown to this file, as it is added to $GITHUB_STEP_SUMMARY."),
+]
 
 
 @app.command("list")
@@ -110,12 +114,17 @@ def run(
     allow_inconclusive: Annotated[
         bool, typer.Option("--allow-inconclusive", help="Inconclusive verdicts count as passed.")
     ] = False,
+    baseline: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="File of known results: failures that it knows do not turn the run red, what is worse does."),
+    ] = None,
+    summary: Summary = None,
 ) -> None:
     """Simulate, compare, judge, and write the record and the report.
 
-    Exit status: 0 all pass, 1 a check failed or ended in error, 2 bad usage or input, 3 a verdict is inconclusive, 4
-    nothing was judged (at all, or of an engine named by --engine or --require), 130 after Ctrl-C, 143 after
-    SIGTERM.
+    Exit status: 0 all pass, 1 a check failed, 2 bad usage or input, 3 a verdict is inconclusive, 4 a case could not
+    run, or nothing was judged (at all, or of an engine named by --engine or --require), 130 after Ctrl-C, 143 after
+    SIGTERM. With --baseline it follows from what differs from the baseline, as of `diff`.
     """
     from crosscheck import commands
 
@@ -133,6 +142,8 @@ def run(
                 require or [],
                 allow_inconclusive,
                 time_limit,
+                baseline,
+                summary,
             )
         )
     )
@@ -167,7 +178,8 @@ def prove(
 
     With --mutate: random mutations, each judged by the cases of these checks that execute it; the share that is caught.
 
-    Exit status: 0 if all faults are seen, or the sample is complete, 1 if not, 2 bad usage or input.
+    Exit status: 0 if all faults are seen, or the sample is complete, 1 if one is not seen, 2 bad usage or input, 4 if
+    a case could not run.
     """
     from crosscheck import commands
 
@@ -189,8 +201,8 @@ def calibrate(
 ) -> None:
     """Judge statistical cases with many seeds: p-values must be uniform, and deviations seen that should be.
 
-    Exit status: 0 if so, 1 if the p-values of a quantity are not uniform or a case ended in error, 2 bad usage or
-    input.
+    Exit status: 0 if so, 1 if the p-values of a quantity are not uniform, 2 bad usage or input, 4 if a case could not
+    run, or nothing is judged statistically.
     """
     from crosscheck import commands
 
@@ -221,7 +233,7 @@ def simulate(
 ) -> None:
     """Run a scene; print a summary, and write all that it records, and a picture, of several engines side by side.
 
-    Exit status: 0 the runs went to their end, 1 one diverged or stopped, 2 bad usage or input.
+    Exit status: 0 the runs went to their end, 1 one diverged or stopped, 2 bad usage or input, 4 an engine failed.
     """
     from crosscheck import commands
 
@@ -230,6 +242,53 @@ def simulate(
             lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit, restart, tuple(formats or ()))
         )
     )
+
+
+@app.command()
+def diff(
+    old: Annotated[Path, typer.Argument(help="Directory of a run, its record, or a baseline.")],
+    new: Annotated[Path, typer.Argument(help="The same of what is compared with it.")],
+    beside: Annotated[
+        str, typer.Option(metavar="ENGINE", help="Engine of both runs that the times of the others are compared with.")
+    ] = "refimpl",
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON document instead of text.")] = False,
+    summary: Summary = None,
+) -> None:
+    """Say what differs between two runs: new failures, changes beyond uncertainty, what is slower or no longer tested.
+
+    Exit status: 0 nothing worse, 1 a new failure, a change beyond uncertainty, or more operations, 2 bad usage or
+    input, 3 what was decided is inconclusive now, 4 no longer tested, could not run, or nothing to compare.
+    """
+    from crosscheck import commands
+
+    raise typer.Exit(commands.diff(old, new, beside, as_json, summary))
+
+
+baselines = typer.Typer(no_args_is_help=True, help="Edit the file of the results that are known, docs/regression.md.")
+app.add_typer(baselines, name="baseline")
+
+
+@baselines.command()
+def accept(
+    checks: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names. Default: all.")] = None,  # noqa: UP045
+    engine: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--engine", "-e", help="Engine whose results are accepted. Repeatable. Default: all of the run."),
+    ] = None,
+    baseline: Annotated[Path, typer.Option(help="The file, made if it is not there.")] = Path(
+        "crosscheck-baseline.txt"
+    ),
+    run: Annotated[Path, typer.Option("--from", help="Directory of the run whose results are accepted.")] = Path(
+        "crosscheck-out"
+    ),
+) -> None:
+    """Write results of a run into the baseline, whatever they are; other lines stay as they are.
+
+    Exit status: 0, or 2 on bad usage or input.
+    """
+    from crosscheck import commands
+
+    raise typer.Exit(commands.accept_baseline(checks or [], engine or [], baseline, run))
 
 
 @app.command()
@@ -265,8 +324,8 @@ def _open_standard_streams() -> None:
 def main() -> None:
     """Entry point, the one place where exceptions become messages and an exit status.
 
-    UsageError, and an OSError of any file: a line, status 2. EngineError: status 1. Too little memory: 2. Output into
-    a pipe that was closed, as by `head`, ends quietly, with status 1.
+    UsageError, and an OSError of any file: a line, status 2. EngineError: status 4. Too little memory: 2. Output into
+    a pipe that was closed, as by `head`, ends quietly, with status 141, as of a program that SIGPIPE ends.
     """
     from crosscheck.errors import EngineError, UsageError
 
@@ -280,28 +339,45 @@ def main() -> None:
             if sys.stdout is not None:
                 sys.stdout.flush()
     except BrokenPipeError:
-        _drop_output()
-        sys.exit(1)
+        _end_quietly()
+    except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):  # typer takes it for status 1, which is of wrong physics
+            _end_quietly()
+        raise
     except UsageError as error:
-        _complain(str(error), 2)
+        _complain(str(error), "USAGE")
     except EngineError as error:
-        _complain(str(error), 1)
+        _complain(str(error), "UNJUDGED")
     except OSError as error:
         from crosscheck.files import shown_path
 
         if error.filename is None:  # whatever is written to a file of the user names it: see `files.naming`
             _drop_output()
-            _complain(f"output: {error.strerror or error}", 2)
-        _complain(f"{shown_path(os.fsdecode(error.filename))}: {error.strerror or error}", 2)
+            _complain(f"output: {error.strerror or error}", "USAGE")
+        _complain(f"{shown_path(os.fsdecode(error.filename))}: {error.strerror or error}", "USAGE")
     except MemoryError:
-        _complain("not enough memory: take fewer particles, samples or cells", 2)
+        _complain("not enough memory: take fewer particles, samples or cells", "USAGE")
 
 
-def _complain(message: str, status: int) -> NoReturn:
+def _status(name: str) -> int:
+    """The number of an exit status. name: in the table of them, which is imported once a command has ended badly."""
+    from crosscheck.status import Status
+
+    return int(Status[name])
+
+
+def _complain(message: str, status: str) -> NoReturn:
+    """Prints a message, and ends with a status by its name."""
     from crosscheck.text import printable
 
     print(f"crosscheck: {printable(message, keep=chr(10))}", file=sys.stderr)
-    sys.exit(status)
+    sys.exit(_status(status))
+
+
+def _end_quietly() -> NoReturn:
+    """Ends without a word, where nobody reads the output any more."""
+    _drop_output()
+    sys.exit(_status("PIPE_CLOSED"))
 
 
 def _drop_output() -> None:

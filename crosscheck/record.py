@@ -130,7 +130,7 @@ def _content(path: Path, file: Path) -> bytes:
     return file.read_bytes().removeprefix(BOM_UTF8)
 
 
-#: Of a judgement, which older lines of schema 2 lack.
+#: Of a judgement, which older lines of schema 2 lack, as they lack `refused`.
 NEWER_FIELDS = ("freedom", "doubt", "p_value", "false_alarm")
 
 
@@ -153,6 +153,7 @@ def _verdict(data: bytes) -> Line:
         check_form(line, 1)
         line = _from_schema_1(line)
     check_form(line, SCHEMA)
+    line.setdefault("refused", None)
     for judgement in line["judgements"]:
         for name in NEWER_FIELDS:
             judgement.setdefault(name, None)

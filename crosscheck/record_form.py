@@ -197,6 +197,7 @@ class _Line(_Common):
     tier: Literal["quick", "full"]
     judgements: list[_Judgement]
     worst: int | None
+    refused: NotRequired[int | None]
 
 
 class _OldCriterion(TypedDict):

@@ -170,7 +170,7 @@ def judge(
     pool = _pool(overlay, time_limit)
     schemes = engine_class(case.engine).schemes
     laboratory = Laboratory(case.engine, schemes, pool, case.name, seed, interpreted=check.interpreted)
-    repeated = replace(laboratory, case=f"{case.name}/again")  # the same sum of costs
+    repeated = replace(laboratory, case=f"{case.name}/again", refused=[])  # the same sum of costs
     started = time.perf_counter()
     found, message, tier = None, "", "quick"
     variant: Variant | None = None
@@ -201,7 +201,8 @@ def judge(
     except Exception as error:
         outcome, message = "error", f"the check failed: {type(error).__name__}: {error}"
     cost = {"seconds": time.perf_counter() - started, **laboratory.cost.known()}
-    return Verdict(check.name, case.variant, case.engine, outcome, found, message, cost, tier)
+    refused = len(laboratory.refused)
+    return Verdict(check.name, case.variant, case.engine, outcome, found, message, cost, tier, refused)
 
 
 def _promises(check: Check, variant: Variant | None) -> str:

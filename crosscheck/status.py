@@ -1,4 +1,4 @@
-"""What the exit status of `crosscheck run` says: green only if something was judged, and nothing was found."""
+"""What the exit status of a command says: green only if something was judged, and nothing was found."""
 
 from __future__ import annotations
 
@@ -11,7 +11,12 @@ from crosscheck.verdict import FALSE_ALARM_OF_A_RUN
 
 
 class Status(IntEnum):
-    """Exit status of `crosscheck run`; where several hold, the first of FAILED, UNJUDGED, INCONCLUSIVE, PASSED."""
+    """Exit status of every command. The others after a signal are 128 and its number.
+
+    FAILED: a number is not what it must be, or a run ended early: the physics is wrong. USAGE: bad usage or input, or
+    a file that cannot be read or written. INCONCLUSIVE: too little was measured to decide. UNJUDGED: nothing was
+    judged, or something could not run: an engine that is missing, crashed or gave no answer.
+    """
 
     PASSED = 0
     FAILED = 1
@@ -19,6 +24,19 @@ class Status(IntEnum):
     INCONCLUSIVE = 3
     UNJUDGED = 4
     INTERRUPTED = 130
+    PIPE_CLOSED = 141
+
+
+def decisive(*held: Status) -> Status:
+    """Of several that hold, the one that counts: the first of FAILED, UNJUDGED, INCONCLUSIVE, else PASSED.
+
+    held: none: PASSED.
+    """
+    return next((one for one in (Status.FAILED, Status.UNJUDGED, Status.INCONCLUSIVE) if one in held), Status.PASSED)
+
+
+#: The status of a run by an outcome that is among its verdicts.
+_OF_OUTCOMES = {"fail": Status.FAILED, "error": Status.UNJUDGED, "inconclusive": Status.INCONCLUSIVE}
 
 
 def of(lines: Sequence[Line], unjudged: Sequence[str], allow_inconclusive: bool) -> Status:
@@ -27,14 +45,9 @@ def of(lines: Sequence[Line], unjudged: Sequence[str], allow_inconclusive: bool)
     lines: of the record, of all of its cases. unjudged: see `unjudged`. allow_inconclusive: such verdicts count as
     passed.
     """
-    outcomes = {line["outcome"] for line in lines}
-    if outcomes & {"fail", "error"}:
-        return Status.FAILED
-    if unjudged:
-        return Status.UNJUDGED
-    if "inconclusive" in outcomes and not allow_inconclusive:
-        return Status.INCONCLUSIVE
-    return Status.PASSED
+    allowed = {"inconclusive"} if allow_inconclusive else set()
+    held = [_OF_OUTCOMES.get(outcome, Status.PASSED) for outcome in {line["outcome"] for line in lines} - allowed]
+    return decisive(*held, *([Status.UNJUDGED] if unjudged else []))
 
 
 def unjudged(lines: Sequence[Line], engines: Sequence[str]) -> list[str]:

@@ -181,7 +181,8 @@ class Verdict:
 
     check: name of the check. variant, engine: their names. outcome: that of the findings, or "skip" or "error".
     findings: None after a skip or an error. message: the reason for a skip or error, or "". cost: seconds of the whole
-    case, and the fields of `Cost` summed over its runs. tier: of the variant.
+    case, and the fields of `Cost` summed over its runs. tier: of the variant. refused: number of scenes that the engine
+    could not run, and that were left out.
     """
 
     check: str
@@ -192,6 +193,7 @@ class Verdict:
     message: str
     cost: dict[str, float] = field(default_factory=dict)
     tier: str = "quick"
+    refused: int = 0
 
     @property
     def name(self) -> str:
@@ -212,6 +214,7 @@ class Verdict:
             "note": "" if found is None else found.note,
             "figures": [] if found is None else _finite([asdict(figure) for figure in found.figures]),
             "message": self.message,
+            "refused": self.refused,
             "cost": _finite(self.cost),
         }
 

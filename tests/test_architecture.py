@@ -42,7 +42,7 @@ FLOORS = (
     ),
     ("crosscheck.mutation",),
     ("crosscheck.painter", "crosscheck.report"),
-    ("crosscheck.simulate", "crosscheck.documents"),
+    ("crosscheck.simulate", "crosscheck.documents", "crosscheck.regression"),
     ("crosscheck.commands",),
     ("crosscheck.cli",),
 )

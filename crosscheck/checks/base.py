@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -65,7 +66,8 @@ class Laboratory:
     engine: name of the engine under judgement. claims: what that engine declares of its schemes, by scheme. pool: the
     worker processes that engines run in. case: `check/variant`, from which all seeds of the case are derived.
     suite_seed: seed of the whole run of the suite, from which they are derived too. cost: of all runs so far, summed;
-    of the peak memory, the largest. interpreted: see `Check`.
+    of the peak memory, the largest. interpreted: see `Check`. refused: scenes that the engine under judgement cannot
+    run, by their names: a check may go on without them, and judge less than it would.
     """
 
     engine: str
@@ -75,6 +77,7 @@ class Laboratory:
     suite_seed: int = 0
     cost: Cost = field(default_factory=Cost)
     interpreted: bool = False
+    refused: list[str] = field(default_factory=list)
 
     def run(
         self,
@@ -96,7 +99,8 @@ class Laboratory:
         """
         name = engine or self.engine
         worker = self._worker(name, self.interpreted if interpreted is None else interpreted)
-        run = worker.run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
+        with self._noting_refusals(name, scene):
+            run = worker.run(scene, method if isinstance(method, Method) else _of_kind(name, scene, method))
         return self._taken(name, scene, run, may_end_early)
 
     def run_in_two(self, scene: Scene, method: Method | Kind) -> tuple[Run, Run]:
@@ -104,10 +108,13 @@ class Laboratory:
 
         method: as in `run`; so are the errors. EngineError if the engine leaves no state.
         """
-        how = method if isinstance(method, Method) else _of_kind(self.engine, scene, method)
         worker = self._worker(self.engine, self.interpreted)
         half = scene.changed(duration=scene.duration / 2)
-        with tempfile.TemporaryDirectory(prefix="crosscheck-halves-") as directory:
+        with (
+            self._noting_refusals(self.engine, scene),
+            tempfile.TemporaryDirectory(prefix="crosscheck-halves-") as directory,
+        ):
+            how = method if isinstance(method, Method) else _of_kind(self.engine, scene, method)
             middle, end = (Path(directory) / f"{name}.npz" for name in ("middle", "end"))
             first = self._taken(self.engine, scene, worker.run(half, how, keep=middle))
             if not middle.exists():
@@ -120,7 +127,18 @@ class Laboratory:
 
         scene, method: what would be run.
         """
-        return refusal(engine_class(self.engine), scene, method)
+        reason = refusal(engine_class(self.engine), scene, method)
+        self.refused.extend([] if reason is None else [scene.name])
+        return reason
+
+    @contextmanager
+    def _noting_refusals(self, engine: str, scene: Scene) -> Iterator[None]:
+        """Notes that the engine under judgement refuses the scene, where it does so within the block."""
+        try:
+            yield
+        except Unsupported:
+            self.refused.extend([scene.name] if engine == self.engine else [])
+            raise
 
     def _worker(self, name: str, interpreted: bool) -> Worker:
         return self.pool.worker(name, interpreted and "interpretable" in getattr(engine_class(name), "promises", ()))

@@ -5,9 +5,11 @@ from crosscheck.commands.exporting import export
 from crosscheck.commands.listing import engines, list_checks, report, show
 from crosscheck.commands.mutating import Sample, mutate
 from crosscheck.commands.proving import prove
+from crosscheck.commands.regressing import accept_baseline, diff
 from crosscheck.commands.running import run
 from crosscheck.commands.simulating import simulate
 
 __all__ = [
-    "Sample", "calibrate", "engines", "export", "list_checks", "mutate", "prove", "report", "run", "show", "simulate",
+    "Sample", "accept_baseline", "calibrate", "diff", "engines", "export", "list_checks", "mutate", "prove", "report",
+    "run", "show", "simulate",
 ]  # fmt: skip

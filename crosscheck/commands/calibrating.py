@@ -16,6 +16,7 @@ from crosscheck.engines.registry import engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.errors import UsageError
 from crosscheck.files import naming, refuse_unwritable
+from crosscheck.status import Status, decisive
 from crosscheck.verdict import Judgement, Verdict
 
 #: Probability that a right suite is found to be badly calibrated, over all quantities of one call.
@@ -39,11 +40,11 @@ def calibrate(
 
     patterns: shell patterns of names of checks or cases; none: all. tier: "quick" or "full". engine_list: names, or
     path.py:Class; none: all installed. seeds: how many, 5 at least. jobs: runs at a time; None: one per core. out: file
-    for the table, in Markdown. time_limit: seconds that one call of an engine may take. The status is 1 if p-values of
-    a quantity are too small to be uniform (of right codes once in 1000 calls), or a case had no verdict, else 0: too
-    large ones cost sensitivity, but raise no false alarm. Cases of which the first seed judges nothing statistically
-    are left out. UsageError for an unknown tier, fewer than 5 seeds, or if no case matches, and nothing is judged
-    statistically.
+    for the table, in Markdown. time_limit: seconds that one call of an engine may take. The status is FAILED if
+    p-values of a quantity are too small to be uniform (of right codes once in 1000 calls), else UNJUDGED if a case had
+    no verdict, or nothing is judged statistically, else PASSED: too large ones cost sensitivity, but raise no false
+    alarm. Cases of which the first seed judges nothing statistically are left out. UsageError for an unknown tier,
+    fewer than 5 seeds, or if no case matches.
     """
     if tier not in ("quick", "full"):
         raise UsageError(f"--tier {tier}: unknown; take quick or full")
@@ -69,10 +70,11 @@ def calibrate(
             _write(out, rows, troubles)  # after each case: a run that is ended early leaves what it has
     runner.close_pools()
     if not rows and not troubles:
-        raise UsageError("nothing is judged statistically in these cases; see `crosscheck show`")
-    summary, good = _summary([found for _, found in rows], troubles)
+        print("crosscheck: nothing is judged statistically in these cases; see `crosscheck show`", file=sys.stderr)
+        return int(Status.UNJUDGED)
+    summary, calibrated = _summary([found for _, found in rows], troubles)
     print(summary)
-    return 0 if good else 1
+    return int(decisive(*([] if calibrated else [Status.FAILED]), *([Status.UNJUDGED] if troubles else [])))
 
 
 def _write(out: Path, rows: list[tuple[str, Calibration]], troubles: list[str]) -> None:
@@ -120,7 +122,7 @@ def _row(name: str, found: Calibration) -> str:
 
 
 def _summary(found: list[Calibration], troubles: list[str]) -> tuple[str, bool]:
-    """What the table says, in words, and whether the judgements are calibrated."""
+    """What the table says, in words, and whether all p-values are as large as those of right codes."""
     runs = sum(one.seeds for one in found)
     limit = _FALSE_ALARM / max(len(found), 1)
     uneven = [one for one in found if one.uniform < limit and not one.discrete]
@@ -135,4 +137,4 @@ def _summary(found: list[Calibration], troubles: list[str]) -> tuple[str, bool]:
         *(f"p-values too large: {one.quantity}" for one in careful),
         *dict.fromkeys(troubles),
     ]
-    return "\n".join(lines), not bad and not troubles
+    return "\n".join(lines), not bad

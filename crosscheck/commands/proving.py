@@ -15,6 +15,7 @@ from crosscheck.commands.console import that_pay
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.errors import UsageError
 from crosscheck.faults import Fault
+from crosscheck.status import Status, decisive
 from crosscheck.verdict import Verdict
 
 
@@ -22,9 +23,10 @@ def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = 
     """Runs checks with their planted faults, and prints a line for each; returns the exit status.
 
     patterns: shell patterns of names of checks or of `check/variant`; none: all. jobs: faults at a time; None: one per
-    core. seed: the suite's seed. time_limit: seconds that one call of an engine may take. The status is 0 if every
-    fault turns its check red, which is green without it, else 1. UsageError if a pattern matches no check with a fault,
-    or the text that a fault replaces is not there.
+    core. seed: the suite's seed. time_limit: seconds that one call of an engine may take. The status is PASSED if
+    every fault turns its check red, which is green without it; UNJUDGED if cases could not run, with the fault or
+    without it; FAILED if another fault is not seen. UsageError if a pattern matches no check with a fault, or the text
+    that a fault replaces is not there.
     """
 
     def matches(pattern: str, check: Check, variant: str) -> bool:
@@ -39,12 +41,14 @@ def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = 
     for pattern in patterns:
         if not any(matches(pattern, check, variant) for check, variant, _ in planted):
             raise UsageError(f"no check matches {pattern}; see `crosscheck list`")
-    undetected = 0
+    seen, held = 0, [Status.PASSED]
     with ThreadPoolExecutor(that_pay(jobs, len(planted))) as pool:
         results = pool.map(lambda item: _prove_one(*item, seed=seed, time_limit=time_limit), planted)
         for (check, variant, fault), (verdict, without) in zip(planted, results, strict=True):
             red = verdict.outcome == "fail" and without == "pass"
-            undetected += not red
+            seen += red
+            if not red:
+                held.append(Status.UNJUDGED if "error" in (verdict.outcome, without) else Status.FAILED)
             state = "red" if red else f"NOT RED ({verdict.outcome})"
             if verdict.outcome == "fail" and not red:
                 state = f"NOT GREEN WITHOUT ({without})"
@@ -52,8 +56,8 @@ def prove(patterns: list[str], jobs: int | None, seed: int, time_limit: float = 
             if verdict.message:
                 print(f"    {verdict.message}")
     runner.close_pools()
-    print(f"{len(planted) - undetected} of {len(planted)} planted faults turned their check red")
-    return 1 if undetected else 0
+    print(f"{seen} of {len(planted)} planted faults turned their check red")
+    return int(decisive(*held))
 
 
 def _prove_one(check: Check, variant: str, fault: Fault, *, seed: int, time_limit: float) -> tuple[Verdict, str]:

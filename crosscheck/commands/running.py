@@ -15,13 +15,18 @@ from rich.table import Table
 from crosscheck import runner, status
 from crosscheck.checks import all_checks
 from crosscheck.commands.console import COLOURS, plain, say_if_torn, that_pay, wide_console
+from crosscheck.commands.regressing import Against, gone, marks, sections
 from crosscheck.directory import locked
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.files import refuse_no_directory, refuse_unwritable
-from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read, shown
+from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read
+from crosscheck.record import shown as shown_judgement
+from crosscheck.regression import shown
+from crosscheck.regression.difference import Difference
+from crosscheck.report.markdown import append, of_run, of_server
 from crosscheck.verdict import Verdict
 
 
@@ -84,6 +89,8 @@ def run(
     required: list[str],
     allow_inconclusive: bool,
     time_limit: float = TIME_LIMIT,
+    baseline: Path | None = None,
+    summary: Path | None = None,
 ) -> int:
     """Runs cases, writes record and report, prints a table; returns the exit status.
 
@@ -92,18 +99,22 @@ def run(
     directory of record and report. resume: directory of an interrupted run to be completed, in place of out; None: a
     new run. junit: file for JUnit XML; None: none. required: names of engines that must be there. allow_inconclusive:
     inconclusive verdicts do not change the exit status. time_limit: seconds that one call of an engine may take.
+    baseline: file of the results that are known; None: none. summary: file for a summary in Markdown; None: none,
+    beside that of the CI server.
 
     The status: see `crosscheck.status.Status`. It follows from the verdicts of this run and, where one is completed,
-    those that it had. UsageError for an unknown tier or engine, if a pattern matches no check, if another run is
-    writing to the directory, or if the run to be completed had another seed.
+    those that it had; with a baseline, from what differs from it. UsageError for an unknown tier or engine, if a
+    pattern matches no check, if another run is writing to the directory, if the run to be completed had another seed,
+    or if the baseline cannot be read.
     """
     if tier not in ("quick", "full"):
         raise UsageError(f"--tier {tier}: unknown; take quick or full")
     engines = engine_list or engine_names()
     cases = runner.select(patterns, tier, engines)
     directory = resume or out
-    _refuse_unwritable_results(directory, resume, junit)
-    told = _Telling(junit, allow_inconclusive)
+    _refuse_unwritable_results(directory, resume, [junit, summary, of_server()])
+    against = None if baseline is None else Against(baseline, patterns, tier, engine_list)
+    told = _Telling(junit, summary, allow_inconclusive, against)
     absent = _absent(required)
     if absent:
         return told.unjudged([], absent)
@@ -122,15 +133,18 @@ def run(
         return told.finished(lines, engine_list, expected, directory, time.perf_counter() - started)
 
 
-def _refuse_unwritable_results(directory: Path, resumed: Path | None, junit: Path | None) -> None:
-    """UsageError if there is nothing to complete, or the results cannot be written, before anything is made."""
+def _refuse_unwritable_results(directory: Path, resumed: Path | None, files: list[Path | None]) -> None:
+    """UsageError if there is nothing to complete, or the results cannot be written, before anything is made.
+
+    files: to be written outside of the directory.
+    """
     from crosscheck.report.html import FILE as REPORT
 
     if resumed is not None:
         read(resumed)
         say_if_torn(resumed)
     refuse_no_directory(directory, "the record")
-    for path in (directory / FILE, directory / REPORT, *([] if junit is None else [junit])):
+    for path in (directory / FILE, directory / REPORT, *(file for file in files if file is not None)):
         refuse_unwritable(path)
 
 
@@ -183,16 +197,22 @@ def _absent(required: list[str]) -> list[str]:
 
 
 class _Telling:
-    """Tells the user, and in a file for other tools, how a run ended. junit: that file, or None."""
+    """Tells the user, and in files for other tools, how a run ended.
 
-    def __init__(self, junit: Path | None, allow_inconclusive: bool) -> None:
-        self._junit, self._allow_inconclusive = junit, allow_inconclusive
+    junit, summary: these files, or None. against: the baseline that the run is compared with, or None.
+    """
 
-    def unjudged(self, lines: list[Line], reasons: list[str]) -> int:
+    def __init__(
+        self, junit: Path | None, summary: Path | None, allow_inconclusive: bool, against: Against | None
+    ) -> None:
+        self._junit, self._summary = junit, summary
+        self._allow_inconclusive, self._against = allow_inconclusive, against
+
+    def unjudged(self, lines: list[Line], reasons: list[str], difference: Difference | None = None) -> int:
         """The status of a run that judged nothing, or nothing of an engine that was named."""
         for reason in reasons:
             print(f"crosscheck: {reason}", file=sys.stderr)
-        self._write(lines, reasons)
+        self._write(lines, reasons, difference)
         return int(status.Status.UNJUDGED)
 
     def interrupted(self, lines: list[Line], cases: int, directory: Path, result: int) -> int:
@@ -224,20 +244,32 @@ class _Telling:
             print(alarms)
         reasons = status.unjudged(lines, expected)
         result = status.of(lines, reasons, self._allow_inconclusive)
+        difference = None
+        if self._against is not None:
+            difference = self._against.difference(lines, directory)
+            self._against.say(difference, directory)
+            unjudged = [status.Status.UNJUDGED] if reasons else []
+            result = status.decisive(difference.status(self._allow_inconclusive), *unjudged)
         if reasons:
-            self.unjudged(lines, reasons)
+            self.unjudged(lines, reasons, difference)
             return int(result)
         if result == status.Status.INCONCLUSIVE:
             number = counts["inconclusive"]
             print(f"crosscheck: {number} inconclusive: see --allow-inconclusive", file=sys.stderr)
-        self._write(lines, [])
+        self._write(lines, [], difference)
         return int(result)
 
-    def _write(self, lines: list[Line], reasons: list[str]) -> None:
+    def _write(self, lines: list[Line], reasons: list[str], difference: Difference | None = None) -> None:
+        """Writes the files for other tools. difference: between the baseline and the run; None: there is none."""
         from crosscheck.report.junit import write_junit
 
+        compared = "" if difference is None else shown.summary(difference)
+        command = shlex.join(["crosscheck", *sys.argv[1:]])
+        append(of_run(lines, reasons, command, compared, sections(difference)), self._summary)
         if self._junit is not None:
-            write_junit(lines, self._junit, reasons, self._allow_inconclusive)
+            problems = reasons if difference is None else [*reasons, *gone(difference, lines)]
+            known = {} if difference is None else marks(difference)
+            write_junit(lines, self._junit, problems, self._allow_inconclusive, known)
 
 
 def _share_of_checks(name: str) -> str:
@@ -263,7 +295,7 @@ def print_table(console: Console, lines: list[Line]) -> None:
     table.add_column("verdict", no_wrap=True)
     order = {outcome: rank for rank, outcome in enumerate(("pass", "skip", "inconclusive", "error", "fail"))}
     for line in sorted(lines, key=lambda item: (order[item["outcome"]], case_name(item), item["engine"])):
-        found = shown(line)
+        found = shown_judgement(line)
         values = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
         outcome = line["outcome"]
         table.add_row(

@@ -12,6 +12,7 @@ from crosscheck.commands.console import COLOURS, wide_console
 from crosscheck.directory import locked
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.files import naming, refuse_no_directory
+from crosscheck.status import Status, decisive
 
 
 def simulate(
@@ -26,8 +27,11 @@ def simulate(
 
     scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
     files. time_limit: seconds that one call of an engine may take. restart: a restart file to go on from; None: none.
-    formats: of the trajectories; none: the default. The status is 1 if a run diverged, stopped before its end, or
-    failed, else 0. UsageError: see `crosscheck.simulate.run.simulate`, and if another run is writing there.
+    formats: of the trajectories; none: the default.
+
+    The status is FAILED if a run diverged or stopped before its end, else UNJUDGED if an engine failed, or the picture
+    could not be drawn, else PASSED. UsageError: see `crosscheck.simulate.run.simulate`, and if another run is writing
+    there.
     """
     from crosscheck.simulate.run import simulate as simulate_scene
     from crosscheck.simulate.summary import LEVELS
@@ -64,4 +68,5 @@ def simulate(
         print(text, file=sys.stdout if done.whole else sys.stderr)
     for path in done.paths:
         print(path)
-    return 0 if done.whole else 1
+    ended_early = any(row.end != "whole" for row in done.rows)
+    return int(decisive(*([Status.FAILED] if ended_early else []), *([Status.UNJUDGED] if done.failures else [])))

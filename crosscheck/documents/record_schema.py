@@ -30,6 +30,9 @@ class _Line:
     note: Annotated[str, Field(description="a remark on all judgements")]
     figures: list[Figure]
     message: Annotated[str, Field(description="reason of a skip, last lines of an error")]
+    refused: Annotated[
+        int | None, Field(description="number of scenes that the engine could not run, and are left out")
+    ]
     cost: Annotated[dict[str, float], Field(description="seconds, and what the runs cost")]
     time: Annotated[str, Field(description="when the case ended: UTC, ISO 8601")]
     provenance: Annotated[dict[str, Any], Field(description="versions, machine, seed and command")]

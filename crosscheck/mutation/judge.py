@@ -39,7 +39,7 @@ class Answer:
 
     @property
     def red(self) -> bool:
-        """Whether a run of the suite with this verdict ends with status 1."""
+        """Whether a run of the suite with this verdict ends with status 1, or 4 after an error: it is not green."""
         return self.outcome in ("fail", "error")
 
 

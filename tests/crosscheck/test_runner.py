@@ -443,3 +443,46 @@ def test_a_run_that_ended_early_reaches_only_checks_that_expect_it(how: dict[str
     with pytest.raises(EngineError, match=f"lammps, {reason}"):  # a reference: nothing against refimpl
         laboratory.run(SCENE, method, "lammps")
     assert laboratory.run(SCENE, method, may_end_early=True) is pool.result
+
+
+# -- scenes that are refused ---------------------------------------------------------------------------------
+
+
+REFUSING = MORTAL.replace("return None", "return 'too long' if scene.duration > 1 else None")
+
+
+def test_scenes_that_a_check_goes_on_without_are_counted(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Those of the engine under judgement alone, whether its declaration or itself refuses them."""
+    (tmp_path / "engine.py").write_text(REFUSING)
+    method, long = Method(scheme="good", dt=0.1), SCENE.changed(duration=2.0)
+    flat = SCENE.changed(dimension=2, initial=Explicit(positions=((1.0, 0.0),)))
+    counts = []
+
+    def audit(laboratory: Laboratory, variant: str) -> Judgement:
+        for scene in (SCENE, long, flat):
+            try:
+                laboratory.run(scene, method)
+            except Unsupported:
+                counts.append(len(laboratory.refused))
+        assert laboratory.refusal(flat, method) is not None
+        assert laboratory.refusal(SCENE, method) is None
+        with pytest.raises(Unsupported):
+            laboratory.run(SCENE, "lattice", "refimpl")
+        return passed(laboratory, variant)
+
+    offer(monkeypatch, check("a/b", audit))
+    verdict = judge(Case("a/b", "one", f"{tmp_path}/engine.py:Engine", False), 0)
+    assert (verdict.outcome, verdict.message) == ("pass", "")
+    assert counts == [1, 2]
+    assert verdict.refused == 3
+    assert verdict.as_record()["refused"] == 3
+
+
+def test_a_run_that_is_repeated_counts_its_refusals_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    def far(laboratory: Laboratory, variant: str) -> Judgement:
+        with pytest.raises(Unsupported):
+            laboratory.run(SCENE, "lattice")
+        return statistical("x", 99.0, 1.0, 0.0, 0.0, "why", samples=100)
+
+    offer(monkeypatch, check("a/b", far))
+    assert judge(Case("a/b", "one", "refimpl", False), 0).refused == 1

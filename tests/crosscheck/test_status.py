@@ -20,7 +20,9 @@ def line(outcome: str, engine: str = "refimpl", message: str = "") -> dict[str, 
         (["pass"], [], Status.PASSED),
         (["pass", "skip"], [], Status.PASSED),
         (["pass", "fail"], [], Status.FAILED),
-        (["pass", "error"], [], Status.FAILED),
+        (["pass", "error"], [], Status.UNJUDGED),
+        (["error", "inconclusive"], [], Status.UNJUDGED),
+        (["fail", "error"], [], Status.FAILED),
         (["pass", "inconclusive"], [], Status.INCONCLUSIVE),
         (["fail", "inconclusive"], ["x"], Status.FAILED),
         (["pass", "inconclusive"], ["x"], Status.UNJUDGED),
@@ -32,6 +34,13 @@ def test_of_several_the_worst(outcomes: list[str], unjudged: list[str], expected
     assert status.of(lines, unjudged, allow_inconclusive=False) == expected
     allowed = Status.PASSED if expected == Status.INCONCLUSIVE else expected
     assert status.of(lines, unjudged, allow_inconclusive=True) == allowed
+
+
+def test_the_first_that_counts() -> None:
+    assert status.decisive() == Status.PASSED
+    assert status.decisive(Status.PASSED, Status.INCONCLUSIVE) == Status.INCONCLUSIVE
+    assert status.decisive(Status.INCONCLUSIVE, Status.UNJUDGED) == Status.UNJUDGED
+    assert status.decisive(Status.INCONCLUSIVE, Status.UNJUDGED, Status.FAILED) == Status.FAILED
 
 
 def test_skips_alone_are_nothing() -> None:

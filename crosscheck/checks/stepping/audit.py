@@ -146,9 +146,9 @@ def audit_samples(ledger: Ledger, scene: Scene, run: Run, where: str) -> None:
             "potential_energy": (exact.energy, exact.energy_error + kinetic[1]),
             "virial": (exact.virial, exact.virial_error),
         }
-        for name in set(expected) & set(run):
-            value, bound = expected[name]
-            ledger.note(name, run[name][sample] - value, bound, where)
+        for name, (value, bound) in expected.items():
+            if name in run:
+                ledger.note(name, run[name][sample] - value, bound, where)
     if "forces" in run:
         gamma = 0.0 if scene.spring is None or scene.spring.gamma is None else scene.spring.gamma
         friction: Floats = gamma * np.asarray(run["final_velocities"])
@@ -268,8 +268,9 @@ def audit_energies(ledger: Ledger, scene: Scene, expected: Expected, run: Run, e
             "potential_energy": (exact.energy, exact.energy_error + bound),
             "virial": (exact.virial, exact.virial_error),
         }
-        for name in set(values) & set(run):
-            ledger.note(name, run[name][sample] - values[name][0], values[name][1], where)
+        for name, (value, tolerance) in values.items():
+            if name in run:
+                ledger.note(name, run[name][sample] - value, tolerance, where)
 
 
 # -- rows --------------------------------------------------------------------------------------------------------------
