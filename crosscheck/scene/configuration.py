@@ -5,12 +5,11 @@ scene leaves out and the file states (masses, species) is taken from the file; w
 can hold (charges, tilted boxes) is refused. Nothing is dropped in silence but results: forces, energies, stresses.
 
 Of several frames the last one is taken. ASE reads .xyz and .extxyz (where it keeps every number), and its own .traj;
-LAMMPS dumps are read here, for ASE multiplies their velocities by 0.01018, as if they were in units "metal".
+`lammps_dump` reads dumps, text or binary.
 """
 
 from __future__ import annotations
 
-import gzip
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.columns import whole
 from crosscheck.errors import UsageError
+from crosscheck.lammps_dump import dump_index, is_dump, opened, read_frame
 from crosscheck.scene.parts import AXES, Floats, SceneEntries
 from crosscheck.scene.starts import explicit
 
@@ -51,7 +52,7 @@ class Configuration(NamedTuple):
 
 
 def read_configuration(path: Path) -> Configuration:
-    """What a file states: .npz, .xyz or .extxyz, a LAMMPS dump (text, also .gz), or an ASE .traj.
+    """What a file states: .npz, .xyz or .extxyz, a LAMMPS dump (text, also .gz, or binary), or an ASE .traj.
 
     path: of the file. UsageError if it cannot be read, or holds numbers that are not finite.
     """
@@ -78,16 +79,13 @@ def read_configuration(path: Path) -> Configuration:
 def _reader(path: Path) -> Configuration:
     if path.suffix == ".npz":
         return _npz(path)
-    opened = gzip.open if path.suffix == ".gz" else open
-    with opened(path, "rb") as file:
-        start = file.read(64)
-    if start.startswith(b"ITEM:"):
-        return _dump(path, opened)
+    if is_dump(path):
+        return _dump(path)
     if path.suffix in (".xyz", ".extxyz", ".traj"):
         return _ase(path)
     raise ValueError(
-        "the formats are .npz, .xyz, .extxyz, ASE's .traj, and LAMMPS dumps in text: convert it, as by `ase convert`, "
-        "and check its units"
+        "the formats are .npz, .xyz, .extxyz, ASE's .traj, and LAMMPS dumps: convert it, as by `ase convert`, and "
+        "check its units"
     )
 
 
@@ -116,7 +114,7 @@ def _npz(path: Path) -> Configuration:
         found.get("angular_velocities"),
         found.get("masses"),
         found.get("diameters"),
-        _whole("species", found["species"]) if "species" in found else None,
+        whole("species", found["species"]) if "species" in found else None,
         lower=None if sides is None else np.zeros(axes),
         sides=sides,
     )
@@ -145,7 +143,7 @@ def _ase(path: Path) -> Configuration:
         arrays.get("angular_velocities"),
         arrays.get("masses"),
         2 * arrays["radius"] if "radius" in arrays else None,
-        _whole("species_number", arrays["species_number"]) if "species_number" in arrays else None,
+        whole("species_number", arrays["species_number"]) if "species_number" in arrays else None,
         names=None if set(symbols) <= {"X"} else symbols,
         lower=np.zeros(3) if boxed else None,
         sides=np.diag(cell) if boxed else None,
@@ -153,59 +151,30 @@ def _ase(path: Path) -> Configuration:
     )
 
 
-def _dump(path: Path, opened: Any) -> Configuration:
+def _dump(path: Path) -> Configuration:
     """The last frame of a LAMMPS dump, particles in the order of their ids."""
-    frame: dict[str, list[str]] = {}
-    section = ""
-    with opened(path, "rt", encoding="utf-8") as file:
-        for line in file:
-            if line.startswith("ITEM:"):
-                section = line[5:].strip()
-                if section == "TIMESTEP":
-                    frame = {}
-                frame[section] = []
-            elif line.strip():
-                frame[section].append(line)
-    titles = {
-        name: next((title for title in frame if title.startswith(name)), None) for name in ("BOX BOUNDS", "ATOMS")
-    }
-    box, atoms = titles["BOX BOUNDS"], titles["ATOMS"]
-    if box is None or atoms is None or not frame.get("NUMBER OF ATOMS"):
-        raise ValueError("the last frame has no NUMBER OF ATOMS, BOX BOUNDS and ATOMS: it is not complete")
-    number = int(frame["NUMBER OF ATOMS"][0])
-    if len(frame[atoms]) != number:
-        raise ValueError(f"the last frame has {len(frame[atoms])} lines for {number} particles: it is not complete")
-    names, rows = atoms.split()[1:], [line.split() for line in frame[atoms]]
-    wrong = next((row for row in rows if len(row) != len(names)), None)
-    if wrong is not None:
-        raise ValueError(f"'{' '.join(wrong)}' has {len(wrong)} values for the columns {' '.join(names)}")
-    table = {name: [row[k] for row in rows] for k, name in enumerate(names)}
-    if "id" in table:
-        ids = _whole("id", _numbers(table["id"]))
-        if len(set(ids.tolist())) != number:
+    index = dump_index(path)
+    if index.cut or not index.keys:
+        raise ValueError(index.cut or "there is no frame")
+    with opened(path) as file:
+        frame = read_frame(file, index.keys[-1])
+    columns = frame.columns
+    if "id" in columns:
+        ids = columns["id"]
+        if len(set(ids.tolist())) != len(ids):
             raise ValueError("two particles have the same id")
         order = np.argsort(ids)
-        table = {name: [column[k] for k in order] for name, column in table.items()}
-    lower, sides, kinds = _bounds(box, frame[box])
-    found = _particles(table, lower, sides, tuple(kind == "pp" for kind in kinds))
+        columns = {name: column[order] for name, column in columns.items()}
+    _refuse_tilt(frame.vectors)
+    sides = np.diag(frame.vectors)
+    found = _particles(columns, frame.lower, sides, tuple(kind == "pp" for kind in frame.boundary))
     # a face that goes with the outermost particle ("s", "m") is no side of a box
-    return found._replace(sides=np.where([bool(set(kind) & {"s", "m"}) for kind in kinds], 0.0, sides))
+    return found._replace(sides=np.where([bool(set(kind) & {"s", "m"}) for kind in frame.boundary], 0.0, sides))
 
 
-def _bounds(title: str, lines: list[str]) -> tuple[Floats, Floats, list[str]]:
-    """Lower corner, sides, and the letters of the boundaries of each axis; ValueError for a tilted box."""
-    flags = title.split()[2:]
-    rows = [_numbers(line.split()) for line in lines]
-    if len(rows) != 3 or any(len(row) < 2 for row in rows):
-        raise ValueError("BOX BOUNDS needs three lines of two numbers")
-    if "abc" in flags or any(len(row) > 2 and row[2] != 0 for row in rows):
-        raise ValueError("its box is tilted, a scene's is not: convert it to an orthogonal one")
-    kinds = [flag for flag in flags if flag not in ("xy", "xz", "yz")] or ["ff"] * 3
-    low, high = np.array([row[:2] for row in rows]).T
-    return low, high - low, kinds
-
-
-def _particles(table: dict[str, list[str]], lower: Floats, sides: Floats, periodic: tuple[bool, ...]) -> Configuration:
+def _particles(
+    table: dict[str, NDArray[Any]], lower: Floats, sides: Floats, periodic: tuple[bool, ...]
+) -> Configuration:
     """The particles in the columns of a dump.
 
     Coordinates in the box ("x", "xs") come before unwrapped ones ("xu", "xsu"); image flags beside them say in which
@@ -218,7 +187,7 @@ def _particles(table: dict[str, list[str]], lower: Floats, sides: Floats, period
             return None
         if len(held) < len(names):
             raise ValueError(f"column {held[0]} is there, but not all of {', '.join(names)}")
-        return np.stack([_numbers(table[name]) for name in names], axis=1)
+        return np.stack([table[name] for name in names], axis=1)
 
     positions = None
     for suffix, scaled in (("", False), ("s", True), ("u", False), ("su", True)):
@@ -229,42 +198,28 @@ def _particles(table: dict[str, list[str]], lower: Floats, sides: Floats, period
     if positions is None:
         raise ValueError("it has no coordinates: dump x y z, xs ys zs, xu yu zu or xsu ysu zsu")
     for axis, name in enumerate(("ix", "iy", "iz")):
-        if name in table and not periodic[axis] and np.any(_numbers(table[name])):
+        if name in table and not periodic[axis] and np.any(table[name]):
             raise ValueError(f"column {name} counts images along an axis that is not periodic")
     for name in _FOREIGN:
-        if name in table and np.any(_numbers(table[name])):
+        if name in table and np.any(table[name]):
             raise ValueError(f"a scene has nothing like column {name}, which is not 0: it cannot start from this dump")
-    diameters = _numbers(table["diameter"]) if "diameter" in table else None
+    diameters = table.get("diameter")
     if diameters is None and "radius" in table:
-        diameters = 2 * _numbers(table["radius"])
-    species = names = None
-    if "type" in table and all(value.lstrip("+-").isdigit() for value in table["type"]):
-        species = _whole("type", _numbers(table["type"])) - 1
-    elif "type" in table or "element" in table:
-        names = tuple(table["type" if "type" in table else "element"])
+        diameters = 2 * table["radius"]
+    kinds = next((table[name] for name in ("type", "typelabel", "element") if name in table), None)
+    numbered = kinds is not None and kinds.dtype.kind == "i"
     return Configuration(
         positions,
         vectors(["vx", "vy", "vz"]),
         vectors(["omegax", "omegay", "omegaz"]),
-        _numbers(table["mass"]) if "mass" in table else None,
+        table.get("mass"),
         diameters,
-        species,
-        names,
+        kinds - 1 if kinds is not None and numbered else None,
+        None if kinds is None or numbered else tuple(kinds.tolist()),
         lower,
         sides,
         periodic,
     )
-
-
-def _numbers(words: Sequence[str]) -> Floats:
-    """The nearest doubles of decimal numbers."""
-    return np.array([float(word) for word in words])
-
-
-def _whole(name: str, values: Floats) -> NDArray[np.int64]:
-    if not (np.isfinite(values).all() and (values == np.rint(values)).all() and (abs(values) < 2**53).all()):
-        raise ValueError(f"{name} must hold whole numbers")
-    return values.astype(np.int64)
 
 
 def _refuse_tilt(cell: Floats) -> None:

@@ -481,7 +481,7 @@ class Kepler(Part):
 
 
 class File(Part):
-    """A configuration file: .npz, .xyz, .extxyz, a LAMMPS dump in text, or an ASE .traj; the last frame of several.
+    """A configuration file: .npz, .xyz, .extxyz, a LAMMPS dump, or an ASE .traj; the last frame of several.
 
     Its numbers are taken as they stand, in the scene's units. Masses and species that the scene leaves out come from
     the file; box, masses, species and diameters that both state must agree. An .npz holds `positions` (N, d); optional

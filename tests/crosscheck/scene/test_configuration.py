@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,22 @@ def test_coordinates_of_every_kind(tmp_path: Path, columns: str, row: str, posit
     state = start(tmp_path, dump(columns, row)).initial_state()
     assert state.positions.tolist() == [position]
     assert not state.velocities.any()
+
+
+def test_a_binary_dump_starts_a_scene_too(tmp_path: Path) -> None:
+    names = b"id type x y z vx vy vz"
+    head = (
+        struct.pack("=q10sii", -10, b"DUMPCUSTOM", 1, 2) + struct.pack("=qqi", 7, 2, 0) + struct.pack("=6i", *[0] * 6)
+    )
+    head += struct.pack("=6d", *[0.0, 6.0] * 3) + struct.pack("=iib", 8, 0, 0)
+    head += struct.pack("=i", len(names)) + names + struct.pack("=i", 2)
+    rows = [[2, 1, 4.1, 5, 5, 0, 0.5, 0], [1, 2, 0.1, 0.2, 0.3, -1, 0, 0]]  # of two processes
+    (tmp_path / "a.bin").write_bytes(head + b"".join(struct.pack("=i8d", 8, *row) for row in rows))
+    scene = load(tmp_path, changed(BOXED, "initial", {"kind": "file", "path": "a.bin"}))
+    state = scene.initial_state()
+    assert state.positions.tolist() == [[0.1, 0.2, 0.3], [4.1, 5, 5]]
+    assert state.velocities.tolist() == [[-1, 0, 0], [0, 0.5, 0]]
+    assert scene.species == (1, 0)
 
 
 def test_the_last_frame_is_taken_and_its_box(tmp_path: Path) -> None:

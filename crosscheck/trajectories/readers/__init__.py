@@ -1,0 +1,1 @@
+"""Readers, a module a format: each opens a file as a `Source`, or as a `Series`."""
