@@ -62,6 +62,15 @@ TimeLimit = Annotated[
         help="How long one call of an engine may take, compilation included, before it counts as hung and is ended.",
     ),
 ]
+Budget = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(
+        metavar="SECONDS",
+        callback=lambda seconds: None if seconds is None else _positive(seconds),
+        help="For slow codes: measure their speed, run what ends within this time, most checks first, and say what was "
+        "left out.",
+    ),
+]
 Out = Annotated[Path, typer.Option("--out", "-o", help="Directory for the record and the report.")]
 
 
@@ -94,7 +103,9 @@ def engines() -> None:
 @app.command()
 def run(
     patterns: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
-    tier: Annotated[str, typer.Option(help="quick, or full, which contains the quick one.")] = "quick",
+    tier: Annotated[
+        str, typer.Option(help="quick, or full, which contains the quick one; small: what stands for larger cases.")
+    ] = "quick",
     engine: Engines = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the suite; every case derives its own from it.")] = 0,
     jobs: Annotated[Optional[int], typer.Option(min=1, help="Cases at a time. Default: one per core.")] = None,  # noqa: UP045
@@ -102,6 +113,7 @@ def run(
     resume: Annotated[Optional[Path], typer.Option(help="Complete the interrupted run in this directory.")] = None,  # noqa: UP045
     junit: Annotated[Optional[Path], typer.Option(help="Also write JUnit XML to this file.")] = None,  # noqa: UP045
     time_limit: TimeLimit = TIME_LIMIT,
+    budget: Budget = None,
     require: Annotated[
         Optional[list[str]],  # noqa: UP045
         typer.Option("--require", help="Engine that must be there, and judged if the run has it. Repeatable."),
@@ -132,6 +144,7 @@ def run(
                 require or [],
                 allow_inconclusive,
                 time_limit,
+                budget,
             )
         )
     )

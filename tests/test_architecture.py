@@ -32,11 +32,11 @@ FLOORS = (
     ("crosscheck.engines",),
     ("crosscheck.checks",),
     ("crosscheck.record", "crosscheck.record_form", "crosscheck.runner", "crosscheck.status", "crosscheck.calibration"),
-    ("crosscheck.mutation",),
+    ("crosscheck.mutation", "crosscheck.budget"),
     ("crosscheck.painter", "crosscheck.report"),
     ("crosscheck.simulate", "crosscheck.documents"),
     ("crosscheck.commands",),
-    ("crosscheck.cli",),
+    ("crosscheck.cli", "crosscheck.pytest_plugin"),
 )
 
 

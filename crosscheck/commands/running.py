@@ -6,6 +6,7 @@ import shlex
 import sys
 import time
 from collections import Counter
+from collections.abc import Set
 from pathlib import Path
 
 from rich.console import Console
@@ -13,7 +14,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from crosscheck import runner, status
+from crosscheck.budget.plan import Budget
 from crosscheck.checks import all_checks
+from crosscheck.checks.base import TIERS
+from crosscheck.commands.budgeting import summary_of_left_out, within
 from crosscheck.commands.console import COLOURS, plain, say_if_torn, that_pay, wide_console
 from crosscheck.directory import locked
 from crosscheck.engines.registry import engine_class, engine_names
@@ -21,8 +25,8 @@ from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.files import refuse_no_directory, refuse_unwritable
-from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read, shown
-from crosscheck.verdict import Verdict
+from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_left_out, provenance, read, shown
+from crosscheck.verdict import LEFT_OUT, Verdict
 
 
 class _Display:
@@ -49,6 +53,8 @@ class _Display:
 
     def finished(self, verdict: Verdict) -> None:
         self._done += 1
+        if verdict.message.startswith(LEFT_OUT) and verdict.name not in self._running:
+            return  # nothing was run; there may be hundreds
         if verdict.name in self._running:
             self._running.remove(verdict.name)
         if self._bar:
@@ -84,6 +90,7 @@ def run(
     required: list[str],
     allow_inconclusive: bool,
     time_limit: float = TIME_LIMIT,
+    budget: float | None = None,
 ) -> int:
     """Runs cases, writes record and report, prints a table; returns the exit status.
 
@@ -92,18 +99,20 @@ def run(
     directory of record and report. resume: directory of an interrupted run to be completed, in place of out; None: a
     new run. junit: file for JUnit XML; None: none. required: names of engines that must be there. allow_inconclusive:
     inconclusive verdicts do not change the exit status. time_limit: seconds that one call of an engine may take.
+    budget: seconds that the run may take; None: as many as it needs.
 
     The status: see `crosscheck.status.Status`. It follows from the verdicts of this run and, where one is completed,
     those that it had. UsageError for an unknown tier or engine, if a pattern matches no check, if another run is
     writing to the directory, or if the run to be completed had another seed.
     """
-    if tier not in ("quick", "full"):
-        raise UsageError(f"--tier {tier}: unknown; take quick or full")
+    if tier not in TIERS:
+        raise UsageError(f"--tier {tier}: unknown; take {', '.join(TIERS[:-1])} or {TIERS[-1]}")
     engines = engine_list or engine_names()
-    cases = runner.select(patterns, tier, engines)
+    began = time.monotonic()
+    cases = runner.select(patterns, tier, engines, budget=budget is not None)
     directory = resume or out
     _refuse_unwritable_results(directory, resume, junit)
-    told = _Telling(junit, allow_inconclusive)
+    told = _Telling(junit, allow_inconclusive, frozenset() if budget is None else runner.OF_SPEED)
     absent = _absent(required)
     if absent:
         return told.unjudged([], absent)
@@ -114,7 +123,9 @@ def run(
             return told.unjudged([], status.unjudged([], []))
         record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
         started = time.perf_counter()
-        own, interruption = _judged(left, seed, that_pay(jobs, len(left)), record, time_limit)
+        jobs = that_pay(jobs, len(left))
+        chosen = None if budget is None else within(budget, left, jobs, began)
+        own, interruption = _judged(left, seed, jobs, record, time_limit, chosen)
         lines = list((before | own).values())
         if interruption is not None:
             return told.interrupted(lines, len(left), directory, interruption)
@@ -151,13 +162,14 @@ def _lines_before(directory: Path, resumed: bool, seed: int) -> dict[tuple[str, 
 
 
 def _judged(
-    cases: list[runner.Case], seed: int, jobs: int, record: Record, time_limit: float
+    cases: list[runner.Case], seed: int, jobs: int, record: Record, time_limit: float, budget: Budget | None
 ) -> tuple[dict[tuple[str, str], Line], int | None]:
     """Runs the cases; their lines as they are in the record, by case and engine; the status if it was interrupted."""
+    cases = cases if budget is None else budget.cases
     display = _Display(len(cases))
     lines = {}
     try:
-        for verdict in runner.run(cases, seed, jobs, display.started, None, time_limit):
+        for verdict in runner.run(cases, seed, jobs, display.started, None, time_limit, budget):
             lines[verdict.name, verdict.engine] = record.append(verdict)
             display.finished(verdict)
     except KeyboardInterrupt as interrupt:
@@ -183,10 +195,13 @@ def _absent(required: list[str]) -> list[str]:
 
 
 class _Telling:
-    """Tells the user, and in a file for other tools, how a run ended. junit: that file, or None."""
+    """Tells the user, and in a file for other tools, how a run ended.
 
-    def __init__(self, junit: Path | None, allow_inconclusive: bool) -> None:
-        self._junit, self._allow_inconclusive = junit, allow_inconclusive
+    junit: that file, or None. waived: promises that were not asked for.
+    """
+
+    def __init__(self, junit: Path | None, allow_inconclusive: bool, waived: Set[str] = frozenset()) -> None:
+        self._junit, self._allow_inconclusive, self._waived = junit, allow_inconclusive, waived
 
     def unjudged(self, lines: list[Line], reasons: list[str]) -> int:
         """The status of a run that judged nothing, or nothing of an engine that was named."""
@@ -214,7 +229,7 @@ class _Telling:
         console = wide_console()
         print_table(console, lines)
         for name in named:
-            print(_share_of_checks(name))
+            print(_share_of_checks(name, self._waived))
         report_path = write_report(directory)
         counts = Counter(line["outcome"] for line in lines)
         summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in COLOURS if counts[outcome])
@@ -240,16 +255,16 @@ class _Telling:
             write_junit(lines, self._junit, reasons, self._allow_inconclusive)
 
 
-def _share_of_checks(name: str) -> str:
+def _share_of_checks(name: str, waived: Set[str]) -> str:
     """How many checks judge the engine of this name: what the others measured of it is nothing, and not green."""
     checks = all_checks()
-    matched = sum(bool(runner.judging(check, name, engine_class(name))) for check in checks)
+    matched = sum(bool(runner.judging(check, name, engine_class(name), waived)) for check in checks)
     rest = len(checks) - matched
     return f"{name}: {matched} checks match what it declares, {rest} need more and say nothing of it (docs/engines.md)"
 
 
 def print_table(console: Console, lines: list[Line]) -> None:
-    """Prints a row for each case, worst last, and what is to be said of those that were skipped or red.
+    """Prints a row for each case, worst last, and what is to be said of those that were left out, skipped or red.
 
     console: where to. lines: of the record.
     """
@@ -262,7 +277,8 @@ def print_table(console: Console, lines: list[Line]) -> None:
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     order = {outcome: rank for rank, outcome in enumerate(("pass", "skip", "inconclusive", "error", "fail"))}
-    for line in sorted(lines, key=lambda item: (order[item["outcome"]], case_name(item), item["engine"])):
+    shown_lines = [line for line in lines if not is_left_out(line)]
+    for line in sorted(shown_lines, key=lambda item: (order[item["outcome"]], case_name(item), item["engine"])):
         found = shown(line)
         values = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
         outcome = line["outcome"]
@@ -274,7 +290,10 @@ def print_table(console: Console, lines: list[Line]) -> None:
             f"[{COLOURS[outcome]}]{outcome}[/]",
         )
     console.print(table)
-    reasons = Counter(line["message"] for line in lines if line["outcome"] == "skip")
+    told = summary_of_left_out(lines)
+    if told:
+        console.print(told, style="dim", highlight=False, markup=False, soft_wrap=True)
+    reasons = Counter(line["message"] for line in lines if line["outcome"] == "skip" and not is_left_out(line))
     for reason, count in reasons.items():
         console.print(f"skipped {count}: {reason}", style="dim", highlight=False, markup=False, soft_wrap=True)
     for line in lines:
