@@ -5,11 +5,10 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 from crosscheck.files import naming
 from crosscheck.record import Line, deciding
-from crosscheck.report.numbers import deviation, expected, measured
+from crosscheck.report.numbers import comparison
 from crosscheck.status import false_alarms
 from crosscheck.text import printable
 
@@ -63,8 +62,8 @@ def _case(line: Line, allow_inconclusive: bool) -> ET.Element:
     outcome, message = line["outcome"], _clean(line["message"])
     if outcome == "fail":
         red = deciding(line)
-        failure = ET.SubElement(case, "failure", message=_clean(_comparison(red[0])), type=red[0]["criterion"]["kind"])
-        text = [part for one in red for part in (_comparison(one), one["criterion"]["why"], one["note"])]
+        failure = ET.SubElement(case, "failure", message=_clean(comparison(red[0])), type=red[0]["criterion"]["kind"])
+        text = [part for one in red for part in (comparison(one), one["criterion"]["why"], one["note"])]
         # the first comparison is the message
         failure.text = _clean("\n".join(dict.fromkeys(filter(None, (*text[1:], line["note"], line["message"])))))
     elif outcome == "error":
@@ -73,17 +72,12 @@ def _case(line: Line, allow_inconclusive: bool) -> ET.Element:
     elif outcome == "skip":
         ET.SubElement(case, "skipped", message=message)
     elif outcome == "inconclusive":
-        message = _clean(f"inconclusive: {_comparison(deciding(line)[0])}")
+        message = _clean(f"inconclusive: {comparison(deciding(line)[0])}")
         if allow_inconclusive:
             ET.SubElement(case, "skipped", message=message)
         else:
             ET.SubElement(case, "failure", message=message, type="inconclusive")
     return case
-
-
-def _comparison(judgement: dict[str, Any]) -> str:
-    off = f"measured {measured(judgement)}, expected {expected(judgement)}, off by {deviation(judgement)}"
-    return f"{judgement['quantity']}: {off}"
 
 
 def _clean(text: str) -> str:
