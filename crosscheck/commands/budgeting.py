@@ -36,7 +36,7 @@ def summary_of_left_out(lines: list[Line]) -> str:
     total = sum(_predicted(line) for line in known)
     judged = {line["check"] for line in lines if line["outcome"] not in ("skip", "error")}
     lost = sorted({line["check"] for line in left} - judged)
-    parts = [f"{LEFT_OUT}: {len(left)} cases, predicted {total:.3g} s"]
+    parts = [f"{LEFT_OUT}: {len(left)} case{'s' if len(left) > 1 else ''}, predicted {total:.3g} s"]
     if known:
         parts.append("cheapest: " + ", ".join(f"{_name(line)} {_predicted(line):.2g} s" for line in known[:_NAMED]))
     if begun:

@@ -57,7 +57,11 @@ def pytest_configure(config: pytest.Config) -> None:
     config.stash[_MISTAKES] = []
     if not hasattr(config, "workerinput"):
         config.pluginmanager.register(_Judged(), "crosscheck-judged")
-    if not config.option.crosscheck_engine:
+    option = config.option
+    if not option.crosscheck_engine:
+        given = (option.crosscheck_checks, option.crosscheck_tier, option.crosscheck_seed, option.crosscheck_budget)
+        if given != ([], "quick", 0, None):
+            raise pytest.UsageError("--crosscheck: there is no engine to judge: add --crosscheck-engine")
         return
     from crosscheck.errors import UsageError
     from crosscheck.pytest_plugin import cases
@@ -66,8 +70,8 @@ def pytest_configure(config: pytest.Config) -> None:
         settings = cases.from_options(config)
         if hasattr(config, "workerinput"):
             settings = settings.with_times(config.workerinput.get(_TIMES))
-        elif config.option.crosscheck_budget is not None and not config.option.collectonly:
-            settings = settings.within(config.option.crosscheck_budget, cases.processes(config))
+        elif option.crosscheck_budget is not None and not option.collectonly:
+            settings = settings.within(option.crosscheck_budget, cases.processes(config))
     except UsageError as error:
         raise pytest.UsageError(f"--crosscheck: {error}") from None
     config.stash[_SETTINGS] = settings

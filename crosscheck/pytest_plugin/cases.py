@@ -93,7 +93,8 @@ class Settings:
     def said(self) -> list[str]:
         """Lines on what is judged."""
         engines = ", ".join(printable(name) for name in self.names.values())
-        return [f"crosscheck: {len(self.cases)} cases of {engines}", *(f"crosscheck: {text}" for text in self.told)]
+        number = f"{len(self.cases)} case{'s' if len(self.cases) > 1 else ''}"
+        return [f"crosscheck: {number} of {engines}", *(f"crosscheck: {text}" for text in self.told)]
 
 
 def processes(config: pytest.Config) -> int:

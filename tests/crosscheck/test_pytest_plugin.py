@@ -184,6 +184,8 @@ def test_the_seed_is_the_suite_s(
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        (["--crosscheck-checks=a/*"], "there is no engine to judge: add --crosscheck-engine"),
+        (["--crosscheck-budget=10"], "there is no engine to judge"),
         (["--crosscheck-engine=nothing"], "unknown engine 'nothing'"),
         (["--crosscheck-engine=no.py:X"], "there is no file"),
         (["--crosscheck-engine=refimpl", "--crosscheck-checks=c/*"], "no check matches c/*"),

@@ -56,7 +56,7 @@ def test_a_run_without_time_judges_nothing_and_can_be_completed(tmp_path: Path) 
     assert lines
     assert all(is_left_out(line) for line in lines)
     assert f"nothing was judged: {len(lines)} skipped ({LEFT_OUT})" in done.stderr
-    assert f"{LEFT_OUT}: {len(lines)} cases, predicted" in done.stdout
+    assert f"{LEFT_OUT}: {len(lines)} case, predicted" in done.stdout
     skipped = [one.attrib["message"] for one in ET.parse(tmp_path / "junit.xml").getroot().iter("skipped")]
     assert len(skipped) == len(lines)
     assert all(message.startswith(LEFT_OUT) for message in skipped)
