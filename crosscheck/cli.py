@@ -1,4 +1,4 @@
-"""The command line: list, run, diff, baseline, simulate, report, export, show, engines, prove, calibrate."""
+"""The command line: list, run, diff, baseline, simulate, compare, repeat, report, export, show, engines, prove ..."""
 
 from __future__ import annotations
 
@@ -63,6 +63,15 @@ TimeLimit = Annotated[
         help="How long one call of an engine may take, compilation included, before it counts as hung and is ended.",
     ),
 ]
+Budget = Annotated[
+    Optional[float],  # noqa: UP045
+    typer.Option(
+        metavar="SECONDS",
+        callback=lambda seconds: None if seconds is None else _positive(seconds),
+        help="For slow codes: measure their speed, run what ends within this time, most checks first, and say what was "
+        "left out.",
+    ),
+]
 Out = Annotated[Path, typer.Option("--out", "-o", help="Directory for the record and the report.")]
 Summary = Annotated[
     Optional[Path],  # noqa: UP045
@@ -99,7 +108,9 @@ def engines() -> None:
 @app.command()
 def run(
     patterns: Annotated[Optional[list[str]], typer.Argument(help="Shell patterns of check names.")] = None,  # noqa: UP045
-    tier: Annotated[str, typer.Option(help="quick, or full, which contains the quick one.")] = "quick",
+    tier: Annotated[
+        str, typer.Option(help="quick, or full, which contains the quick one; small: what stands for larger cases.")
+    ] = "quick",
     engine: Engines = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the suite; every case derives its own from it.")] = 0,
     jobs: Annotated[Optional[int], typer.Option(min=1, help="Cases at a time. Default: one per core.")] = None,  # noqa: UP045
@@ -107,6 +118,7 @@ def run(
     resume: Annotated[Optional[Path], typer.Option(help="Complete the interrupted run in this directory.")] = None,  # noqa: UP045
     junit: Annotated[Optional[Path], typer.Option(help="Also write JUnit XML to this file.")] = None,  # noqa: UP045
     time_limit: TimeLimit = TIME_LIMIT,
+    budget: Budget = None,
     require: Annotated[
         Optional[list[str]],  # noqa: UP045
         typer.Option("--require", help="Engine that must be there, and judged if the run has it. Repeatable."),
@@ -144,6 +156,7 @@ def run(
                 time_limit,
                 baseline,
                 summary,
+                budget,
             )
         )
     )
@@ -242,6 +255,89 @@ def simulate(
             lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit, restart, tuple(formats or ()))
         )
     )
+
+
+Mode = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--mode",
+        help="Standard by which results are the same: exact (bits), tolerance (rounding of the files, or --tolerance), "
+        "chaos (rounding and chaos explain the difference), or statistics. Default: chaos; of tables in time, "
+        "statistics; of repeat, exact.",
+    ),
+]
+Arithmetic = Annotated[str, typer.Option("--arithmetic", help="Of the runs: double, or single (also mixed).")]
+
+
+@app.command()
+def compare(
+    results: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Two or more files of results, or directories with one each (LAMMPS dump, extxyz, XTC ...)."
+        ),
+    ],
+    mode: Mode = None,
+    tolerance: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(
+            metavar="DISTANCE", help="With --mode tolerance: distance of a particle from itself that counts as none."
+        ),
+    ] = None,
+    arithmetic: Arithmetic = "double",
+    topology: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="File with ids, types and masses, for formats that hold coordinates alone (XTC, DCD ...)."),
+    ] = None,
+    scene: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Scene whose rate of chaos is measured by a disturbed twin, where the data do not show it."),
+    ] = None,
+    engine: Annotated[
+        str, typer.Option("--engine", "-e", help="With --scene: the engine that runs the twin.")
+    ] = "refimpl",
+    out: Annotated[Path, typer.Option("--out", "-o", help="Directory for the page and the JSON.")] = Path(
+        "crosscheck-compare"
+    ),
+    time_limit: TimeLimit = TIME_LIMIT,
+) -> None:
+    """Tell whether results are the same: to the last bit, within rounding, up to chaos, or in their statistics.
+
+    Exit status: 0 the same by the standard of --mode, 1 different, 2 bad usage or input, 3 it cannot be told.
+    """
+    from crosscheck import commands
+
+    asked = commands.Standard(mode, tolerance, arithmetic, topology, scene, engine, time_limit)
+    raise typer.Exit(interruptible(lambda: commands.compare(results, asked, out)))
+
+
+@app.command()
+def repeat(
+    scene: Annotated[Path, typer.Argument(help="Scene file (TOML), or the name of a shipped scene.")],
+    engine: Annotated[str, typer.Option("--engine", "-e", help="Engine: a name, or path.py:Class.")] = "refimpl",
+    times: Annotated[int, typer.Option(min=1, help="Runs for each number of threads.")] = 20,
+    threads: Annotated[
+        Optional[list[int]],  # noqa: UP045
+        typer.Option(
+            min=1, help="Threads that the engine's libraries may use (OMP_NUM_THREADS). Repeatable. Default: 1."
+        ),
+    ] = None,
+    mode: Mode = None,
+    arithmetic: Arithmetic = "double",
+    out: Annotated[Path, typer.Option("--out", "-o", help="Directory for the runs and the comparison.")] = Path(
+        "crosscheck-repeat"
+    ),
+    time_limit: TimeLimit = TIME_LIMIT,
+) -> None:
+    """Run a scene several times, each in a new process: is the engine deterministic, and which run left the others
+    when?
+
+    Exit status: 0 the same by the standard of --mode, 1 different, 2 bad usage or input, 3 it cannot be told.
+    """
+    from crosscheck import commands
+
+    asked = commands.Standard(mode, None, arithmetic, None, None, engine, time_limit)
+    raise typer.Exit(interruptible(lambda: commands.repeat(scene, engine, times, threads or [1], asked, out)))
 
 
 @app.command()

@@ -17,7 +17,7 @@ from crosscheck.errors import UsageError
 from crosscheck.files import naming, shown_path, unreadable
 from crosscheck.record_form import check_form, parse
 from crosscheck.text import shortened
-from crosscheck.verdict import Verdict
+from crosscheck.verdict import LEFT_OUT, Verdict
 
 #: Raised when a field changes its meaning or goes; new fields do not raise it.
 SCHEMA = 2
@@ -179,9 +179,18 @@ def deciding(line: Line) -> list[dict[str, Any]]:
     return [first, *(one for one in rest if one["outcome"] == line["outcome"])]
 
 
+def is_left_out(line: Line) -> bool:
+    """Whether there was no time for the case of a line of a record."""
+    return line["outcome"] == "skip" and line["message"].startswith(LEFT_OUT)
+
+
 def finished(lines: Iterable[Line]) -> set[tuple[str, str]]:
-    """(name of the case, engine) of those lines of a record that need no second run: all but errors."""
-    return {(case_name(line), line["engine"]) for line in lines if line["outcome"] != "error"}
+    """(name of the case, engine) of those lines of a record that need no second run.
+
+    All but errors, and cases that there was no time for.
+    """
+    done = (line for line in lines if line["outcome"] != "error" and not is_left_out(line))
+    return {(case_name(line), line["engine"]) for line in done}
 
 
 _JUDGEMENT_FIELDS_OF_SCHEMA_1 = (

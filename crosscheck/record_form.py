@@ -194,7 +194,7 @@ class _Common(TypedDict):
 
 class _Line(_Common):
     variant: str
-    tier: Literal["quick", "full"]
+    tier: Literal["small", "quick", "full"]
     judgements: list[_Judgement]
     worst: int | None
     refused: NotRequired[int | None]

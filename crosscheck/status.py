@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from enum import IntEnum
 
-from crosscheck.record import Line
-from crosscheck.verdict import FALSE_ALARM_OF_A_RUN
+from crosscheck.record import Line, is_left_out
+from crosscheck.verdict import FALSE_ALARM_OF_A_RUN, LEFT_OUT
 
 
 class Status(IntEnum):
@@ -85,6 +85,7 @@ def false_alarms(lines: Sequence[Line]) -> str:
 def _why(skipped: Sequence[Line]) -> str:
     if not skipped:
         return "no check that was asked for matches what it declares (docs/engines.md)"
-    (reason, _), *others = Counter(str(line["message"]) for line in skipped).most_common()
+    reasons = (LEFT_OUT if is_left_out(line) else str(line["message"]) for line in skipped)
+    (reason, _), *others = Counter(reasons).most_common()
     more = f", and {len(others)} more" if others else ""
     return f"{len(skipped)} skipped ({reason}{more})"

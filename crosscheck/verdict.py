@@ -14,10 +14,12 @@ expected_failure  a deviation that the check must find: measured >= limit.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from fnmatch import fnmatchcase
 from typing import Any, Literal, TypeAlias, cast
 
+from crosscheck.errors import UsageError
 from crosscheck.figure import Figure
 from crosscheck.statistics import Mean, Trend, seen_beyond, student_probability, student_quantile
 
@@ -35,6 +37,9 @@ FALSE_ALARM = SUSPICIOUS**2
 FALSE_ALARM_OF_A_RUN = 1e-3
 #: Probability with which a statistical judgement shows a deviation of the size of its sensitivity.
 SEEN = 0.9
+
+#: What the reason of a skip starts with, of a case that there was no time for.
+LEFT_OUT = "left out by --budget"
 
 #: A standard error of fewer degrees of freedom (quantile 6) decides nothing; and independent samples fewer than these.
 LEAST_FREEDOM, LEAST_SAMPLES = 6.0, 10.0
@@ -479,6 +484,54 @@ def again(first: Findings, second: Findings) -> Findings:
         raise ValueError(f"{len(first.judgements)} judgements, and {len(second.judgements)} in the run that repeats it")
     judged = tuple(_of_two(one, two) for one, two in zip(first.judgements, second.judgements, strict=True))
     return replace(second, judgements=judged)
+
+
+def unrepeated(found: Findings) -> Findings:
+    """Findings that are suspicious, and that nobody has measured again: what is red is undecided. found: of one run."""
+    note = "suspicious, and not run again: the time was over"
+    judged = tuple(
+        replace(one, outcome="inconclusive", note="; ".join(filter(None, (one.note, note))))
+        if one.outcome == "fail"
+        else one
+        for one in found.judgements
+    )
+    return replace(found, judgements=judged)
+
+
+def less_certain(found: Findings, needed: Mapping[str, float] | float) -> Findings:
+    """Findings in which what is green is undecided where a smaller deviation than the sensitivity must be seen.
+
+    found: of a case. needed: the relative deviation that must be seen, of all quantities; or by their names, or
+    patterns of these (`fnmatch`). Bounds and test statistics have no sensitivity in this sense, and stay. UsageError
+    for a name that no other quantity has: it would be needed, and not be judged.
+    """
+    able = [one for one in found.judgements if _sees_deviations(one)]
+    patterns = needed if isinstance(needed, Mapping) else {"*": needed} if able else {}
+    for pattern in patterns:
+        if not any(_is_called(one, pattern) for one in able):
+            names = "; ".join(dict.fromkeys(one.quantity for one in able)) or "none"
+            raise UsageError(f"needed: no quantity with a sensitivity is called '{pattern}'; there are: {names}")
+
+    def judged(one: Judgement) -> Judgement:
+        limits = [limit for pattern, limit in patterns.items() if one in able and _is_called(one, pattern)]
+        sensitivity = math.inf if one.sensitivity is None else one.sensitivity
+        if one.outcome != "pass" or not limits or sensitivity <= min(limits):
+            return one
+        note = f"a deviation of {min(limits):g} must be seen, and {sensitivity:.2g} would be"
+        return replace(one, outcome="inconclusive", note="; ".join(filter(None, (one.note, note))))
+
+    return replace(found, judgements=tuple(judged(one) for one in found.judgements))
+
+
+def _sees_deviations(one: Judgement) -> bool:
+    """Whether the sensitivity of a judgement is a deviation from what is expected."""
+    return one.criterion.kind in ("round_off", "order") or (
+        one.criterion.kind == "statistical" and one.criterion.sense == "both"
+    )
+
+
+def _is_called(one: Judgement, pattern: str) -> bool:
+    return one.quantity == pattern or fnmatchcase(one.quantity, pattern)
 
 
 def suspicious(found: Findings) -> bool:

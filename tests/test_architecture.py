@@ -25,7 +25,9 @@ FLOORS = (
         "crosscheck.figure",
         "crosscheck.faults",
         "crosscheck.pairs",
+        "crosscheck.columns",
     ),
+    ("crosscheck.lammps_dump",),
     ("crosscheck.scene",),
     ("crosscheck.verdict", "crosscheck.statistics", "crosscheck.convergence", "crosscheck.pairs"),
     ("crosscheck.references",),
@@ -40,11 +42,11 @@ FLOORS = (
         "crosscheck.status",
         "crosscheck.calibration",
     ),
-    ("crosscheck.mutation",),
+    ("crosscheck.mutation", "crosscheck.compare", "crosscheck.budget"),
     ("crosscheck.painter", "crosscheck.report"),
     ("crosscheck.simulate", "crosscheck.documents", "crosscheck.regression"),
     ("crosscheck.commands",),
-    ("crosscheck.cli",),
+    ("crosscheck.cli", "crosscheck.pytest_plugin"),
 )
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from crosscheck.engines.capabilities import Needs, refusal, scheme_of
 from crosscheck.engines.protocol import Claims, Cost, Kind, Run
@@ -24,7 +24,10 @@ from crosscheck.pairs import Pair, Row
 from crosscheck.scene import Contact, Method, Scene
 from crosscheck.verdict import Judged
 
-Tier = Literal["quick", "full"]
+#: "small": a variant in the place of a larger one, for codes that are too slow for that; the full tier contains the
+#: quick one.
+Tier = Literal["small", "quick", "full"]
+TIERS: tuple[Tier, ...] = get_args(Tier)
 #: A method by its kind: the engine's own first scheme that goes from event to event.
 EVENT_DRIVEN: Kind = "event_driven"
 
@@ -34,13 +37,15 @@ class Variant:
     """One of the cases of a check on every engine: its name, its parameters, and the tier that it belongs to.
 
     name: seeds the case: not to be changed without reason. value: what `Check.judge` gets. needs: what this variant
-    asks of an engine beside what its check asks.
+    asks of an engine beside what its check asks. instead: of the small tier, the name of the larger variant that it
+    stands for.
     """
 
     name: str
     value: Any
     tier: Tier = "quick"
     needs: Needs | None = None
+    instead: str = ""
 
 
 #: The variants of a check; or, where they are schemes, a function of those that the engine has.
@@ -140,6 +145,17 @@ class Laboratory:
             self.refused.extend([scene.name] if engine == self.engine else [])
             raise
 
+    def demand(self, scene: Scene, method: Method | Kind) -> None:
+        """Unsupported, EngineMissing, as from `run`, if the engine under judgement would not run `scene`.
+
+        For checks that run another engine first: what is not judged shall cost nothing. scene, method: as in `run`; of
+        the scene, all but the initial state and the duration should be what will be run.
+        """
+        how = method if isinstance(method, Method) else _of_kind(self.engine, scene, method)
+        reason = self._worker(self.engine, self.interpreted).supports(scene, how)
+        if reason is not None:
+            raise Unsupported(f"{self.engine}: {reason}")
+
     def _worker(self, name: str, interpreted: bool) -> Worker:
         return self.pool.worker(name, interpreted and "interpretable" in getattr(engine_class(name), "promises", ()))
 
@@ -214,6 +230,11 @@ def quick(*names: str, **values: Any) -> tuple[Variant, ...]:
 def full(*names: str, **values: Any) -> tuple[Variant, ...]:
     """Variants of the full tier: `names`, whose value is the name itself, then `values`, each with the value given."""
     return variants_of({**dict(zip(names, names, strict=True)), **values}, "full")
+
+
+def small(name: str, value: Any, instead: str) -> Variant:
+    """A variant of the small tier; name, value, instead: as in `Variant`."""
+    return Variant(name, value, "small", instead=instead)
 
 
 def variants_of(values: Mapping[str, Any], tier: Tier = "quick") -> tuple[Variant, ...]:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from crosscheck import runner
 from crosscheck.calibration import Calibration, calibration
+from crosscheck.checks.base import TIERS
 from crosscheck.commands.console import that_pay
 from crosscheck.engines.registry import engine_names
 from crosscheck.engines.workers.ending import TIME_LIMIT
@@ -38,7 +39,7 @@ def calibrate(
 ) -> int:
     """Judges cases with the seeds 0 to `seeds` - 1 of the suite, prints and writes a table; returns the exit status.
 
-    patterns: shell patterns of names of checks or cases; none: all. tier: "quick" or "full". engine_list: names, or
+    patterns: shell patterns of names of checks or cases; none: all. tier: one of `TIERS`. engine_list: names, or
     path.py:Class; none: all installed. seeds: how many, 5 at least. jobs: runs at a time; None: one per core. out: file
     for the table, in Markdown. time_limit: seconds that one call of an engine may take. The status is FAILED if
     p-values of a quantity are too small to be uniform (of right codes once in 1000 calls), else UNJUDGED if a case had
@@ -46,8 +47,8 @@ def calibrate(
     alarm. Cases of which the first seed judges nothing statistically are left out. UsageError for an unknown tier,
     fewer than 5 seeds, or if no case matches.
     """
-    if tier not in ("quick", "full"):
-        raise UsageError(f"--tier {tier}: unknown; take quick or full")
+    if tier not in TIERS:
+        raise UsageError(f"--tier {tier}: unknown; take {', '.join(TIERS[:-1])} or {TIERS[-1]}")
     if seeds < 5:
         raise UsageError(f"--seeds {seeds}: too few to tell what their p-values are like; take 5 or more")
     refuse_unwritable(out)

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from crosscheck import runner
 from crosscheck.checks import all_checks
-from crosscheck.checks.base import Check, Variant
+from crosscheck.checks.base import TIERS, Check, Variant
 from crosscheck.commands.console import plain, say_if_torn, wide_console
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.registry import engine_class, engine_names
@@ -47,11 +47,11 @@ def list_checks(as_json: bool) -> None:
     if as_json:
         print(json.dumps(rows, indent=2))
         return
-    table = Table("check", "engines", "quick", "full", "measures", box=None, pad_edge=False)
+    table = Table("check", "engines", *TIERS, "measures", box=None, pad_edge=False)
     for check in all_checks():
         offers = _variants_by_engine(check)
         tiers = Counter({one.name: one.tier for variants in offers.values() for one in variants}.values())
-        counts = [str(tiers[tier]) if tiers[tier] else "" for tier in ("quick", "full")]
+        counts = [str(tiers[tier]) if tiers[tier] else "" for tier in TIERS]
         table.add_row(check.name, " ".join(offers), *counts, check.title)
     wide_console().print(table)
 
@@ -73,7 +73,7 @@ def show(name: str) -> None:
     ):
         console.print(f"  {label:<10} {text}", highlight=False, markup=False)
     for engine, variants in _variants_by_engine(check).items():
-        for tier in ("quick", "full"):
+        for tier in TIERS:
             names = [one.name for one in variants if one.tier == tier]
             if names:
                 console.print(f"  {tier:<10} {engine}: {', '.join(names)}", highlight=False, markup=False)

@@ -6,6 +6,7 @@ import shlex
 import sys
 import time
 from collections import Counter
+from collections.abc import Set
 from pathlib import Path
 
 from rich.console import Console
@@ -13,7 +14,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from crosscheck import runner, status
+from crosscheck.budget.plan import Budget
 from crosscheck.checks import all_checks
+from crosscheck.checks.base import TIERS
+from crosscheck.commands.budgeting import summary_of_left_out, within
 from crosscheck.commands.console import COLOURS, plain, say_if_torn, that_pay, wide_console
 from crosscheck.commands.regressing import Against, gone, marks, sections
 from crosscheck.directory import locked
@@ -22,12 +26,12 @@ from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.files import refuse_no_directory, refuse_unwritable
-from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, provenance, read
+from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_left_out, provenance, read
 from crosscheck.record import shown as shown_judgement
 from crosscheck.regression import shown
 from crosscheck.regression.difference import Difference
 from crosscheck.report.markdown import append, of_run, of_server
-from crosscheck.verdict import Verdict
+from crosscheck.verdict import LEFT_OUT, Verdict
 
 
 class _Display:
@@ -54,6 +58,8 @@ class _Display:
 
     def finished(self, verdict: Verdict) -> None:
         self._done += 1
+        if verdict.message.startswith(LEFT_OUT) and verdict.name not in self._running:
+            return  # nothing was run; there may be hundreds
         if verdict.name in self._running:
             self._running.remove(verdict.name)
         if self._bar:
@@ -91,6 +97,7 @@ def run(
     time_limit: float = TIME_LIMIT,
     baseline: Path | None = None,
     summary: Path | None = None,
+    budget: float | None = None,
 ) -> int:
     """Runs cases, writes record and report, prints a table; returns the exit status.
 
@@ -101,20 +108,23 @@ def run(
     inconclusive verdicts do not change the exit status. time_limit: seconds that one call of an engine may take.
     baseline: file of the results that are known; None: none. summary: file for a summary in Markdown; None: none,
     beside that of the CI server.
+    budget: seconds that the run may take; None: as many as it needs.
 
     The status: see `crosscheck.status.Status`. It follows from the verdicts of this run and, where one is completed,
     those that it had; with a baseline, from what differs from it. UsageError for an unknown tier or engine, if a
     pattern matches no check, if another run is writing to the directory, if the run to be completed had another seed,
     or if the baseline cannot be read.
     """
-    if tier not in ("quick", "full"):
-        raise UsageError(f"--tier {tier}: unknown; take quick or full")
+    if tier not in TIERS:
+        raise UsageError(f"--tier {tier}: unknown; take {', '.join(TIERS[:-1])} or {TIERS[-1]}")
     engines = engine_list or engine_names()
-    cases = runner.select(patterns, tier, engines)
+    began = time.monotonic()
+    cases = runner.select(patterns, tier, engines, budget=budget is not None)
     directory = resume or out
     _refuse_unwritable_results(directory, resume, [junit, summary, of_server()])
     against = None if baseline is None else Against(baseline, patterns, tier, engine_list)
-    told = _Telling(junit, summary, allow_inconclusive, against)
+    waived = frozenset() if budget is None else runner.OF_SPEED
+    told = _Telling(junit, summary, allow_inconclusive, against, waived)
     absent = _absent(required)
     if absent:
         return told.unjudged([], absent)
@@ -125,7 +135,9 @@ def run(
             return told.unjudged([], status.unjudged([], []))
         record = Record(directory, provenance(seed, shlex.join(["crosscheck", *sys.argv[1:]])))
         started = time.perf_counter()
-        own, interruption = _judged(left, seed, that_pay(jobs, len(left)), record, time_limit)
+        jobs = that_pay(jobs, len(left))
+        chosen = None if budget is None else within(budget, left, jobs, began)
+        own, interruption = _judged(left, seed, jobs, record, time_limit, chosen)
         lines = list((before | own).values())
         if interruption is not None:
             return told.interrupted(lines, len(left), directory, interruption)
@@ -165,13 +177,14 @@ def _lines_before(directory: Path, resumed: bool, seed: int) -> dict[tuple[str, 
 
 
 def _judged(
-    cases: list[runner.Case], seed: int, jobs: int, record: Record, time_limit: float
+    cases: list[runner.Case], seed: int, jobs: int, record: Record, time_limit: float, budget: Budget | None
 ) -> tuple[dict[tuple[str, str], Line], int | None]:
     """Runs the cases; their lines as they are in the record, by case and engine; the status if it was interrupted."""
+    cases = cases if budget is None else budget.cases
     display = _Display(len(cases))
     lines = {}
     try:
-        for verdict in runner.run(cases, seed, jobs, display.started, None, time_limit):
+        for verdict in runner.run(cases, seed, jobs, display.started, None, time_limit, budget):
             lines[verdict.name, verdict.engine] = record.append(verdict)
             display.finished(verdict)
     except KeyboardInterrupt as interrupt:
@@ -199,14 +212,20 @@ def _absent(required: list[str]) -> list[str]:
 class _Telling:
     """Tells the user, and in files for other tools, how a run ended.
 
-    junit, summary: these files, or None. against: the baseline that the run is compared with, or None.
+    junit, summary: these files, or None. against: the baseline that the run is compared with, or None. waived: promises
+    that were not asked for.
     """
 
     def __init__(
-        self, junit: Path | None, summary: Path | None, allow_inconclusive: bool, against: Against | None
+        self,
+        junit: Path | None,
+        summary: Path | None,
+        allow_inconclusive: bool,
+        against: Against | None,
+        waived: Set[str] = frozenset(),
     ) -> None:
         self._junit, self._summary = junit, summary
-        self._allow_inconclusive, self._against = allow_inconclusive, against
+        self._allow_inconclusive, self._against, self._waived = allow_inconclusive, against, waived
 
     def unjudged(self, lines: list[Line], reasons: list[str], difference: Difference | None = None) -> int:
         """The status of a run that judged nothing, or nothing of an engine that was named."""
@@ -234,7 +253,7 @@ class _Telling:
         console = wide_console()
         print_table(console, lines)
         for name in named:
-            print(_share_of_checks(name))
+            print(_share_of_checks(name, self._waived))
         report_path = write_report(directory)
         counts = Counter(line["outcome"] for line in lines)
         summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in COLOURS if counts[outcome])
@@ -272,16 +291,16 @@ class _Telling:
             write_junit(lines, self._junit, problems, self._allow_inconclusive, known)
 
 
-def _share_of_checks(name: str) -> str:
+def _share_of_checks(name: str, waived: Set[str]) -> str:
     """How many checks judge the engine of this name: what the others measured of it is nothing, and not green."""
     checks = all_checks()
-    matched = sum(bool(runner.judging(check, name, engine_class(name))) for check in checks)
+    matched = sum(bool(runner.judging(check, name, engine_class(name), waived)) for check in checks)
     rest = len(checks) - matched
     return f"{name}: {matched} checks match what it declares, {rest} need more and say nothing of it (docs/engines.md)"
 
 
 def print_table(console: Console, lines: list[Line]) -> None:
-    """Prints a row for each case, worst last, and what is to be said of those that were skipped or red.
+    """Prints a row for each case, worst last, and what is to be said of those that were left out, skipped or red.
 
     console: where to. lines: of the record.
     """
@@ -294,7 +313,8 @@ def print_table(console: Console, lines: list[Line]) -> None:
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     order = {outcome: rank for rank, outcome in enumerate(("pass", "skip", "inconclusive", "error", "fail"))}
-    for line in sorted(lines, key=lambda item: (order[item["outcome"]], case_name(item), item["engine"])):
+    shown_lines = [line for line in lines if not is_left_out(line)]
+    for line in sorted(shown_lines, key=lambda item: (order[item["outcome"]], case_name(item), item["engine"])):
         found = shown_judgement(line)
         values = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
         outcome = line["outcome"]
@@ -306,7 +326,10 @@ def print_table(console: Console, lines: list[Line]) -> None:
             f"[{COLOURS[outcome]}]{outcome}[/]",
         )
     console.print(table)
-    reasons = Counter(line["message"] for line in lines if line["outcome"] == "skip")
+    told = summary_of_left_out(lines)
+    if told:
+        console.print(told, style="dim", highlight=False, markup=False, soft_wrap=True)
+    reasons = Counter(line["message"] for line in lines if line["outcome"] == "skip" and not is_left_out(line))
     for reason, count in reasons.items():
         console.print(f"skipped {count}: {reason}", style="dim", highlight=False, markup=False, soft_wrap=True)
     for line in lines:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from crosscheck.checks import all_checks
-from crosscheck.checks.base import Check
+from crosscheck.checks.base import TIERS, Check
 from crosscheck.documents.markdown import page, table_of
 from crosscheck.engines.capabilities import Capability
 from crosscheck.engines.protocol import Engine
@@ -34,7 +34,8 @@ f(r) and f(r, v), and whether the map from start to end is symplectic and revers
 dash: nothing is claimed, and nothing is checked."""
 _CHECKS = """\
 Every check, with the shipped engines that it judges and the number of its variants in each tier (the full tier
-contains the quick one). `crosscheck show NAME` prints equation, needs, variants and planted faults."""
+contains the quick one; the small one is for [slow codes](../slow-codes.md)). `crosscheck show NAME` prints equation,
+needs, variants and planted faults."""
 
 
 # -- observables -------------------------------------------------------------------------------------------------------
@@ -153,8 +154,8 @@ def checks() -> str:
             judged = [name for name, engine in _shipped().items() if unmatched(check, name, engine) is None]
             variants = {one.name: one.tier for name in judged for one in check.offered(_shipped()[name].schemes)}
             tiers = list(variants.values())
-            counts = [str(tiers.count(tier) or "") for tier in ("quick", "full")]
+            counts = [str(tiers.count(tier) or "") for tier in TIERS]
             rows.append((f"`{check.name}`", ", ".join(judged), *counts, check.title, check.criterion, check.citation))
-        head = ("check", "engines", "quick", "full", "measures", "criterion", "citation")
+        head = ("check", "engines", *TIERS, "measures", "criterion", "citation")
         lines += ["", f"## {group}", "", *table_of(head, rows)]
     return page("Checks", lines)

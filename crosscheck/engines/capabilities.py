@@ -7,7 +7,7 @@ scene language is a new word. No engine that was written before declares it, so 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
@@ -193,12 +193,16 @@ class Needs:
     promises: tuple[str, ...] = ()
 
 
-def lacks(engine: Declared, needs: Needs) -> str | None:
-    """None, or which of the needs of a check the engine (or its class) does not declare."""
+def lacks(engine: Declared, needs: Needs, waived: Collection[str] = ()) -> str | None:
+    """None, or which of the needs of a check the engine (or its class) does not declare.
+
+    waived: promises that are not asked for.
+    """
     absent = [scheme for scheme in needs.schemes if scheme not in engine.schemes]
     if absent:
         return f"no scheme {', '.join(absent)}"
-    unpromised = [promise for promise in needs.promises if promise not in getattr(engine, "promises", ())]
+    promised = {*getattr(engine, "promises", ()), *waived}
+    unpromised = [promise for promise in needs.promises if promise not in promised]
     if unpromised:
         return f"does not promise {', '.join(unpromised)}"
     candidates = [
@@ -211,9 +215,21 @@ def lacks(engine: Declared, needs: Needs) -> str | None:
     return f"no {', no '.join(fewest)}" if fewest else None
 
 
+def schemes_for(engine: Declared, interaction: str, kind: str) -> list[str]:
+    """Names of the schemes of this kind with which the engine (or its class) runs the interaction, in its order."""
+    return [
+        str(name)
+        for name, claims in engine.schemes.items()
+        if claims.kind == kind and any(one.interaction == interaction for one in _offered(engine, name, claims))
+    ]
+
+
 def scheme_of(engine: Declared, interaction: str, kind: str) -> str | None:
     """Name of the first scheme of this kind with which the engine (or its class) runs the interaction; None: none."""
-    for name, claims in engine.schemes.items():
-        if claims.kind == kind and any(one.interaction == interaction for one in _offered(engine, name, claims)):
-            return str(name)
-    return None
+    return next(iter(schemes_for(engine, interaction, kind)), None)
+
+
+def measured_by(engine: Declared, interaction: str, scheme: str) -> frozenset[str]:
+    """What the engine (or its class) measures of scenes of an interaction with a scheme: names of observables."""
+    offered = _offered(engine, scheme, engine.schemes[scheme])
+    return frozenset().union(*(one.observables for one in offered if one.interaction == interaction))

@@ -20,13 +20,13 @@ from crosscheck.checks.base import Check
 from crosscheck.engines.registry import engine_names, engine_order
 from crosscheck.errors import UsageError
 from crosscheck.files import naming
-from crosscheck.record import Line, case_name, deciding, read, shown
+from crosscheck.record import Line, case_name, deciding, is_left_out, read, shown
 from crosscheck.report import figures, numbers, pictures
 from crosscheck.report.catches import scores, together
 from crosscheck.runner import select
 from crosscheck.status import false_alarms
 from crosscheck.text import printable
-from crosscheck.verdict import SENSITIVITY
+from crosscheck.verdict import LEFT_OUT, SENSITIVITY
 
 FILE = "report.html"
 #: Worst first: the order of everything in the report.
@@ -258,7 +258,10 @@ def _skips(skipped: list[tuple[Section, Line]]) -> list[tuple[str, list[str]]]:
     """(reason, cases)."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for _, line in skipped:
-        reasons[line["message"] or "no reason given"].append(f"{case_name(line)} [{line['engine']}]")
+        reason, case = line["message"] or "no reason given", f"{case_name(line)} [{line['engine']}]"
+        if is_left_out(line):
+            reason, case = LEFT_OUT, f"{case}: {reason.removeprefix(LEFT_OUT).removeprefix(': ')}"
+        reasons[reason].append(case)
     return list(reasons.items())
 
 
@@ -296,8 +299,10 @@ def _origins(lines: list[Line]) -> list[tuple[dict[str, Any], int]]:
 def _command(lines: list[Line], sections: list[Section]) -> str:
     """The command line that runs the same checks again, with names of groups where all of a group has run.
 
-    "" if this version has none of them.
+    "" if this version has none of them. Of a run within a budget, which mixes tiers as no other does, its own command.
     """
+    if {"small"} < {line["tier"] for line in lines}:
+        return str(lines[-1]["provenance"].get("command", ""))
     known = [section for section in sections if section.check is not None]
     if lines and not known:
         return ""
@@ -331,8 +336,9 @@ def _absent(lines: list[Line]) -> list[str]:
 
 
 def _tier(lines: Iterable[Line]) -> str:
-    """The tier that contains all these cases."""
-    return "full" if any(line["tier"] == "full" for line in lines) else "quick"
+    """The tier that contains all these cases; of those of the small tier, if there are others, not."""
+    tiers = {line["tier"] for line in lines}
+    return "full" if "full" in tiers else "small" if tiers == {"small"} else "quick"
 
 
 def _run(patterns: list[str], tier: str, engines: list[str], seed: int) -> str:

@@ -17,6 +17,7 @@ from typing import Any, Literal, NamedTuple
 from crosscheck.files import naming
 from crosscheck.record import Line, case_name, deciding
 from crosscheck.report import numbers
+from crosscheck.report.numbers import comparison
 from crosscheck.status import false_alarms
 from crosscheck.text import printable
 
@@ -142,8 +143,8 @@ def _case(line: Line, allow_inconclusive: bool, mark: Mark | None) -> ET.Element
         ET.SubElement(case, mark.state, type="regression", message=_clean(mark.message))
     elif outcome == "fail":
         red = deciding(line)
-        failure = ET.SubElement(case, "failure", message=_clean(_comparison(red[0])), type=red[0]["criterion"]["kind"])
-        text = [part for one in red for part in (_comparison(one), one["criterion"]["why"], one["note"])]
+        failure = ET.SubElement(case, "failure", message=_clean(comparison(red[0])), type=red[0]["criterion"]["kind"])
+        text = [part for one in red for part in (comparison(one), one["criterion"]["why"], one["note"])]
         # the first comparison is the message
         rest = (*text[1:], line["note"], line["message"], "" if mark is None else mark.message)
         failure.text = _clean("\n".join(dict.fromkeys(filter(None, rest))))
@@ -153,17 +154,12 @@ def _case(line: Line, allow_inconclusive: bool, mark: Mark | None) -> ET.Element
     elif outcome == "skip":
         ET.SubElement(case, "skipped", message=message)
     elif outcome == "inconclusive":
-        message = _clean(f"inconclusive: {_comparison(deciding(line)[0])}")
+        message = _clean(f"inconclusive: {comparison(deciding(line)[0])}")
         if allow_inconclusive:
             ET.SubElement(case, "skipped", message=message)
         else:
             ET.SubElement(case, "failure", message=message, type="inconclusive")
     return case
-
-
-def _comparison(judgement: dict[str, Any]) -> str:
-    measured, expected, off = (show(judgement) for show in (numbers.measured, numbers.expected, numbers.deviation))
-    return f"{judgement['quantity']}: measured {measured}, expected {expected}, off by {off}"
 
 
 def _clean(text: str) -> str:

@@ -146,3 +146,9 @@ def sensitivity(judgement: Judgement | None) -> str:
     if judgement is None or judgement["sensitivity"] is None:
         return ABSENT
     return f"{plain(judgement['sensitivity'], 2)}{'' if judgement['expected'] else ' abs.'}"
+
+
+def comparison(judgement: Judgement) -> str:
+    """What was measured beside what was expected, in a line. judgement: as the record keeps it."""
+    off = f"measured {measured(judgement)}, expected {expected(judgement)}, off by {deviation(judgement)}"
+    return f"{judgement['quantity']}: {off}"

@@ -120,7 +120,7 @@ def test_the_command_is_installed() -> None:
         (["run", "no/such/check"], "matches no/such/check; see `crosscheck list`"),
         (["run", CASE, "no/such/check"], "matches no/such/check; see `crosscheck list`"),
         (["run", "events/haff-series"], "no case of tier 'quick' matches events/haff-series: add --tier full"),
-        (["run", "--tier", "quik"], "--tier quik: unknown; take quick or full"),
+        (["run", "--tier", "quik"], "--tier quik: unknown; take small, quick or full"),
         (["run", CASE, "-e", "refimpl", "--resume", "nowhere"], "nowhere: there is no record.jsonl"),
         (["run", CASE, "-e", "refimpl", "-o", __file__], "cannot be a directory for the record"),
         (["show", "stepping/oscillator-exakt"], "near: stepping/oscillator-exact"),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,14 +14,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crosscheck.checks.base import Check, Laboratory, Variant, full, quick, schemes_with
-from crosscheck.engines.capabilities import Needs
-from crosscheck.engines.protocol import Run
+from crosscheck.checks.base import Check, Laboratory, Variant, full, quick, schemes_with, small
+from crosscheck.engines.capabilities import Needs, capability
+from crosscheck.engines.protocol import Claims, Run
 from crosscheck.engines.registry import engine_class
 from crosscheck.errors import EndedEarly, EngineError, EngineMissing, Unsupported, UsageError
 from crosscheck.runner import Case, _CasesOfThreads, close_pools, find, judge, run, select, unmatched
 from crosscheck.scene import Explicit, Method, Scene, Spring
-from crosscheck.verdict import Judgement, Verdict, round_off, statistical
+from crosscheck.verdict import LEFT_OUT, Judgement, Verdict, round_off, statistical
 
 SCENE = Scene(name="spring", dimension=1, duration=0.1, spring=Spring(k=1.0), initial=Explicit(positions=((1.0,),)))
 
@@ -176,6 +178,31 @@ def test_an_unknown_check_is_named_with_the_near_ones() -> None:
         find("a/quikc")
 
 
+def test_small_variants_are_for_slow_codes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Measured speeds take the place of the promise of speed, and the small tier joins the others."""
+    promising = Needs("gravity", promises=("long_runs",))
+    variants = (*quick("one"), *full("two"), small("few", "few", "one"))
+    offer(monkeypatch, check("a/b", variants=variants, needs=promising), check("a/c", needs=Needs("gravity")))
+    assert names(select([], "quick", ["refimpl"])) == ["a/b/one", "a/c/one"]
+    assert names(select([], "quick", ["refimpl"], budget=True)) == ["a/b/one", "a/b/few", "a/c/one"]
+    assert names(select([], "full", ["refimpl"], budget=True)) == ["a/b/one", "a/b/two", "a/b/few", "a/c/one"]
+    assert names(select([], "full", ["refimpl"])) == ["a/b/one", "a/b/two", "a/c/one"]
+    (few,) = select([], "small", ["refimpl"])
+    assert (few.name, few.instead) == ("a/b/few", "one")
+    with pytest.raises(UsageError, match="no case of tier 'quick' matches a/b/few: add --tier small"):
+        select(["a/b/few"], "quick", ["refimpl"])
+    monkeypatch.setattr("crosscheck.runner.engine_class", lambda name: Slow)
+    assert names(select([], "quick", ["slow"])) == ["a/c/one"]
+    assert names(select([], "quick", ["slow"], budget=True)) == ["a/b/one", "a/b/few", "a/c/one"]
+
+
+class Slow:
+    """It has no promises."""
+
+    schemes = {"leapfrog": Claims((2, 2))}
+    capabilities = (capability("gravity", "stepping", words="", observables=""),)
+
+
 # -- one case ---------------------------------------------------------------------------------------
 
 
@@ -220,6 +247,68 @@ def test_what_is_promised_and_refused_is_red(monkeypatch: pytest.MonkeyPatch, by
     assert verdict.findings is not None
     assert verdict.findings.note == "refimpl: too hard"
     assert "promises restarts" in verdict.findings.shown.criterion.why
+
+
+def test_a_waived_promise_is_no_promise(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An engine that is judged within a budget has not promised to be fast, and may refuse."""
+    offer(monkeypatch, check("a/b", raises(Unsupported("slow: no")), needs=Needs("gravity", promises=("long_runs",))))
+    monkeypatch.setattr("crosscheck.runner.engine_class", lambda name: Slow)
+    assert judge(Case("a/b", "one", "slow", False), 0).outcome == "skip"
+
+
+HANGING = """
+import signal
+from crosscheck.engines.capabilities import capability
+from crosscheck.engines.protocol import Claims
+
+class Engine:
+    name = "hanging"
+    schemes = {"good": Claims((1, 1))}
+    capabilities = (capability("spring", "stepping", words="dimension=1", observables=""),)
+
+    def version(self):
+        return "1"
+
+    def supports(self, scene, method):
+        return None
+
+    def run(self, scene, method):
+        signal.pause()
+"""
+
+
+def test_a_case_that_is_not_finished_in_time_is_left_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The limit of the budget is no fault of the engine; that of a call is."""
+    file = tmp_path / "engine.py"
+    file.write_text(HANGING)
+    offer(monkeypatch, check("a/b", lambda laboratory, variant: laboratory.run(SCENE, Method(scheme="good", dt=0.1))))
+    case = Case("a/b", "one", f"{file}:Engine", False)
+    late = judge(case, 0, deadline=time.monotonic() + 1.0)
+    assert late.outcome == "skip"
+    assert late.message.startswith(f"{LEFT_OUT}: not finished after ")
+    hung = judge(case, 0, time_limit=0.5, deadline=time.monotonic() + 1000)
+    assert hung.outcome == "error"
+    assert "gave no answer within 0.5 s" in hung.message
+    over = judge(case, 0, deadline=time.monotonic() - 1)
+    assert over.outcome == "skip"
+
+
+def test_a_suspicion_without_time_for_a_second_run_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr("crosscheck.runner.time.monotonic", lambda: now[0])
+
+    def once(laboratory: Laboratory, variant: str) -> Judgement:
+        if laboratory.case.endswith("again"):
+            now[0] = 10.0
+            raise EngineError("the time is over")
+        return statistical("x", 5.0, 1.0, 0.0, 0.0, "why", samples=1e6)
+
+    offer(monkeypatch, check("a/b", once))
+    verdict = judge(Case("a/b", "one", "refimpl", False), 0, deadline=9.0)
+    assert (verdict.outcome, verdict.message) == ("inconclusive", "")
+    now[0] = 0.0
+    broken = judge(Case("a/b", "one", "refimpl", False), 0, deadline=11.0)
+    assert (broken.outcome, broken.findings) == ("error", None), "an error of the second run is one of the case"
 
 
 def test_a_case_knows_its_variant_its_claims_and_its_seeds(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -367,6 +456,38 @@ def test_a_thread_begins_with_a_group_where_one_begins_nearby() -> None:
     assert begins(a_b=4, a_c=2, d_e=6, d_f=4) == ["a/b", "d/e"]
     # too far from the middle: with a check
     assert begins(a_b=1, d_e=8, d_f=7) == ["a/b", "d/f"]
+
+
+class _Times:
+    """A budget with time for what it is told."""
+
+    def __init__(self, *fits: str) -> None:
+        self.fits, self.asked, self.done = fits, [], []  # type: ignore[var-annotated]
+
+    def left_out(self, case: Case) -> Verdict | None:
+        self.asked.append(case.variant)
+        if case.variant in self.fits:
+            return None
+        return Verdict(case.check, case.variant, case.engine, "skip", None, LEFT_OUT)
+
+    def limit(self, case: Case) -> float:
+        return 1e9
+
+    def finished(self, case: Case, verdict: Verdict) -> Verdict:
+        self.done.append(case.variant)
+        return replace(verdict, cost={"predicted": 7.0})
+
+
+def test_a_budget_is_asked_in_the_order_of_the_cases(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[str] = []
+    offer(monkeypatch, check("a/b", variants=quick(*"abcd")), check("a/t", timing=True, variants=quick(*"xy")))
+    cases = [*select([], "quick", ["refimpl"])][::-1]
+    budget = _Times("d", "b", "y")
+    verdicts = list(run(cases, 0, 1, lambda case: started.append(case.variant), budget=budget))
+    assert budget.asked == ["d", "c", "b", "a", "y", "x"]
+    assert started == budget.done == ["d", "b", "y"]
+    assert {v.variant: v.outcome for v in verdicts} == dict(zip("dcbayx", ["pass", "skip"] * 3, strict=True))
+    assert [v.cost for v in verdicts if v.outcome == "pass"] == [{"predicted": 7.0}] * 3
 
 
 def test_an_executor_that_is_given_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:

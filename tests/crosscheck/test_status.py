@@ -8,6 +8,7 @@ import pytest
 
 from crosscheck import status
 from crosscheck.status import Status
+from crosscheck.verdict import LEFT_OUT
 
 
 def line(outcome: str, engine: str = "refimpl", message: str = "") -> dict[str, Any]:
@@ -51,6 +52,11 @@ def test_skips_alone_are_nothing() -> None:
     ]
     for outcome in ("pass", "fail", "error", "inconclusive"):
         assert status.unjudged([*lines, line(outcome)], []) == []
+
+
+def test_cases_without_time_are_one_reason() -> None:
+    lines = [line("skip", message=f"{LEFT_OUT}: predicted {seconds} s") for seconds in (3, 40)]
+    assert status.unjudged(lines, []) == [f"nothing was judged: 2 skipped ({LEFT_OUT})"]
 
 
 def test_each_named_engine_is_judged() -> None:

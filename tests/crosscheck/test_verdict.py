@@ -16,6 +16,7 @@ from scipy.signal import lfilter
 from scipy.stats import binom, chi2, kstest, nct
 from scipy.stats import t as student
 
+from crosscheck.errors import UsageError
 from crosscheck.figure import Figure, Series
 from crosscheck.statistics import Mean, Trend, correlated_mean
 from crosscheck.verdict import (
@@ -28,10 +29,12 @@ from crosscheck.verdict import (
     by_chance,
     controls,
     findings,
+    less_certain,
     order,
     round_off,
     statistical,
     suspicious,
+    unrepeated,
     within,
     worst,
 )
@@ -443,6 +446,41 @@ def test_red_goes_before_undecided_before_green() -> None:
     red, undecided, green = order("v", 1.7, 2, 0.25, ""), judged(0.5, samples=5), round_off("x", 0.99, 1.0, "why")
     assert worst([green, undecided]).shown.outcome == "inconclusive"
     assert worst([green, undecided, red]).shown.quantity == "v"
+
+
+def test_what_was_not_measured_again_is_undecided() -> None:
+    found = unrepeated(worst([judged(5.0), judged(1.0), round_off("y", 0.0, 1.0, "why")]))
+    assert [one.outcome for one in found.judgements] == ["inconclusive", "pass", "pass"]
+    assert found.judgements[0].note == "suspicious, and not run again: the time was over"
+    assert found.outcome == "inconclusive"
+
+
+@given(st.floats(0.01, 1.0), st.floats(0.01, 1.0))
+def test_green_needs_the_sensitivity_that_is_asked_for(first: float, second: float) -> None:
+    good = [replace(judged(0.0, 1.0), quantity=name, sensitivity=sees) for name, sees in (("x", first), ("y", second))]
+    for needed, limits in (
+        (0.5, (0.5, 0.5)),
+        ({"x": 0.5}, (0.5, math.inf)),
+        ({"*": 0.3}, (0.3, 0.3)),
+        ({"[x]": 0.7, "*": 0.9}, (0.7, 0.9)),
+    ):
+        found = less_certain(worst(good), needed)  # type: ignore[arg-type]
+        expected = [
+            "pass" if sees <= limit else "inconclusive" for sees, limit in zip((first, second), limits, strict=True)
+        ]
+        assert [one.outcome for one in found.judgements] == expected
+
+
+def test_what_has_no_sensitivity_or_is_red_stays() -> None:
+    bound, red = bounded("steps", 1.0, 2.0, "why"), replace(judged(9.0), quantity="x")
+    chance = by_chance("distance", 0.1, chi2(3), "why")
+    blind = replace(judged(0.0), quantity="y", sensitivity=None)
+    found = less_certain(worst([bound, red, chance, blind]), 1e-9)
+    assert [one.outcome for one in found.judgements] == ["pass", "fail", "pass", "inconclusive"]
+    assert less_certain(worst([bound, chance]), 1e-9).outcome == "pass", "nothing that is needed"
+    for name in ("steps", "distance", "z"):
+        with pytest.raises(UsageError, match=f"no quantity with a sensitivity is called '{name}'; there are: x; y"):
+            less_certain(worst([bound, red, chance, blind]), {name: 0.1})
 
 
 def test_a_control_is_shown_only_if_it_is_not_green() -> None:

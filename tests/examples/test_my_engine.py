@@ -98,3 +98,31 @@ def test_the_readme_s_command_judges_it(tmp_path: Path) -> None:
     # some of them have variants of the full tier only
     assert int(said[1]) >= len({line["check"] for line in lines})
     assert int(said[1]) + int(said[2]) == len(all_checks())
+
+
+def test_its_tests_are_green_and_turn_red_with_a_bug(tmp_path: Path) -> None:
+    """As in one's own suite: the tests beside the engine, a copy of both, the copy with a bug."""
+    for directory, old, new in (
+        ("right", "", ""),
+        ("wrong", "0.5 * dt * f / m\n                r =", "dt * f / m\n                r ="),
+    ):
+        (tmp_path / directory).mkdir()
+        text = EXAMPLE.read_text(encoding="utf-8")
+        assert not old or text.count(old) == 1
+        (tmp_path / directory / EXAMPLE.name).write_text(text.replace(old, new) if old else text, encoding="utf-8")
+        tests = EXAMPLE.with_name("test_my_engine.py").read_text(encoding="utf-8")
+        (tmp_path / directory / f"test_{directory}.py").write_text(tests, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "pytest", "-v", "-k", "gravity_steps or gravity-steps or e0/", "."],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        timeout=300,
+    )
+    found = re.findall(r"^(right|wrong)/.*(PASSED|FAILED)", done.stdout, re.MULTILINE)
+    assert done.returncode == 1, done.stdout
+    assert {outcome for where, outcome in found if where == "right"} == {"PASSED"}
+    assert {outcome for where, outcome in found if where == "wrong"} == {"FAILED"}
+    assert len(found) == 4
+    assert "again: crosscheck run stepping/gravity-steps/velocity_verlet" in done.stdout

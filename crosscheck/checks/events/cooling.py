@@ -19,7 +19,7 @@ _LATTICES = {2: "square", 3: "sc"}
 #: Independent starts of one gas.
 STARTS = 16
 #: Length of the box in units of that at which vortices grow; most grains.
-SHORT, _MOST = 0.5, 2500
+SHORT, MOST = 0.5, 2500
 #: Intervals, equally many collisions long, that the measurement consists of.
 INTERVALS = 12
 
@@ -34,7 +34,7 @@ RESTITUTION_SQUARED = Fault(
 
 def _number(loss: float, packing: float, dimension: int) -> int:
     density = number_density(packing, dimension)
-    return int(min(density * (SHORT * clustering_length(loss, density, dimension)) ** dimension, _MOST))
+    return int(density * (SHORT * clustering_length(loss, density, dimension)) ** dimension)
 
 
 def finite_size(number: int, loss: float, packing: float, dimension: int) -> tuple[float, float]:
@@ -72,15 +72,15 @@ class Cooling(NamedTuple):
 
 def cool(
     laboratory: Laboratory, dimension: int, alpha: float, friction: GrainFriction | None, packing: float, loss: float,
-    span: float, warm: float,
+    span: float, warm: float, most: int = MOST,
 ) -> Cooling:  # fmt: skip
     """Lets `STARTS` gases cool for `warm` collisions a particle, and then for `span` more, which are measured.
 
     laboratory: runs them on the engine under judgement. dimension: 2 or 3. alpha: coefficient of restitution. friction:
     of rough grains, or None. packing: fraction. loss: of ln T per collision of a particle, expected: it sets the number
-    of grains, so that the box is shorter than vortices need.
+    of grains, so that the box is shorter than vortices need. most: of the grains.
     """
-    number = _number(loss, packing, dimension)
+    number = min(_number(loss, packing, dimension), most)
     wanted = number / 2 * (warm + span * np.arange(INTERVALS + 1) / INTERVALS)
     counts = wanted.round().astype(int)
     observables: list[Observable] = ["kinetic_energy", "dissipated_energy", "collisions"]

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full
-from crosscheck.checks.events.cooling import RESTITUTION_SQUARED, STARTS, Cooling, cool, finite_size
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full, small
+from crosscheck.checks.events.cooling import MOST, RESTITUTION_SQUARED, STARTS, Cooling, cool, finite_size
 from crosscheck.engines.capabilities import Needs
 from crosscheck.figure import Figure, Series
 from crosscheck.references import granular as reference
@@ -27,17 +27,23 @@ PACKINGS = {
 
 
 class _Gas(NamedTuple):
-    """The dimension, and the coefficient of restitution."""
+    """Grains.
+
+    alpha: coefficient of restitution. most: how many there may be. needed: relative deviations of the loss per
+    collision, and of the rate in time, that must be seen.
+    """
 
     dimension: int
     alpha: float
+    most: int = MOST
+    needed: tuple[float, float] = (0.035, 0.05)
 
 
 def _judge_haff(laboratory: Laboratory, case: _Gas) -> Judged:
     """The loss of temperature by collisions counted, and by time."""
-    dimension, alpha = case
+    dimension, alpha, most, needed = case
     packing, loss = PACKINGS[dimension, alpha], (1 - alpha**2) / dimension
-    gas = cool(laboratory, dimension, alpha, None, packing, loss, min(2.8 / loss, 150.0), WARM)
+    gas = cool(laboratory, dimension, alpha, None, packing, loss, min(2.8 / loss, 150.0), WARM, most)
     a2, rate = reference.best_cumulant(alpha, dimension), finite_collision_rate(packing, gas.number, dimension)
     length, few = finite_size(gas.number, loss, packing, dimension)
     per_collision = -float(np.log(reference.temperature_after(1.0, alpha, dimension, a2.value)))
@@ -51,12 +57,12 @@ def _judge_haff(laboratory: Laboratory, case: _Gas) -> Judged:
     by_count = statistical(
         "loss of ln T per collision of a particle",
         *loss_mean, per_collision, per_collision * 4 / 3 * shape, why,
-        samples=STARTS, doubt=per_collision * (4 / 3 * off + few), needed=0.035,
+        samples=STARTS, doubt=per_collision * (4 / 3 * off + few), needed=needed[0],
     )  # fmt: skip
     by_time = statistical(
         "Haff's cooling rate at T = 1",
         *rate_mean, zeta, zeta * shape, why,
-        samples=STARTS, doubt=zeta * (off + rate.doubt / rate.value + 1.5 * few), needed=0.05,
+        samples=STARTS, doubt=zeta * (off + rate.doubt / rate.value + 1.5 * few), needed=needed[1],
         figures=_haff_figures(gas, f"{dimension}D, alpha = {alpha:g}", rate.value, zeta, per_collision),
     )  # fmt: skip
     return worst(
@@ -102,14 +108,15 @@ HAFF = Check(
     criterion=f"{STARTS} gases shorter than half the clustering length, after {WARM:g} collisions a particle",
     citation="Haff, J. Fluid Mech. 134, 401 (1983); van Noije & Ernst, Granul. Matter 1, 57 (1998)",
     judge=_judge_haff,
-    variants=full(**{"2d-0.9": _Gas(2, 0.9)}),  # the quick tier audits each impact
+    # the quick tier audits each impact
+    variants=(*full(**{"2d-0.9": _Gas(2, 0.9)}), small("2d-0.9-N100", _Gas(2, 0.9, 100, (0.08, 0.1)), "2d-0.9")),
     needs=Needs(
         "hard_spheres",
         (EVENT_DRIVEN,),
         words=frozenset({"box.boundaries=periodic", "hard_spheres.restitution", "output.collisions"}),
         observables=frozenset({"kinetic_energy", "dissipated_energy", "collisions"}),
     ),
-    faults=(("2d-0.9", RESTITUTION_SQUARED),),
+    faults=(("2d-0.9", RESTITUTION_SQUARED), ("2d-0.9-N100", RESTITUTION_SQUARED)),
 )
 #: The same gases at other restitutions, and spheres: a check of its own, because its name seeds its cases.
 SERIES = replace(

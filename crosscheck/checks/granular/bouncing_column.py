@@ -81,8 +81,8 @@ def _column_after(run: Run) -> Column:
 def _judge_apart(laboratory: Laboratory) -> Judged:
     """Gaps of 0.1, far above v t_c: two cascades of 28 impacts each, then one common flight, near its top at t = 4."""
     scene, speed = _column(_GAP, 4.0), math.sqrt(2 * _FALL)
-    hard = _column_after(run_whole(laboratory, scene, EVENT_DRIVEN, REFERENCE))
     runs = [_column_after(run_whole(laboratory, scene, soft(duration=t_c, resolution=1 / 400))) for t_c in _APART]
+    hard = _column_after(run_whole(laboratory, scene, EVENT_DRIVEN, REFERENCE))
     judgements, curves = [], []
     for name in ("energy", "height"):
         expected = getattr(hard, name)
@@ -118,14 +118,14 @@ def _judge_touching(laboratory: Laboratory) -> Judged:
         gap = ratio * speed * _TOUCHING
         scene = _column(gap, speed + after)
         before = _BEADS * _FALL + gap * _BEADS * (_BEADS - 1) / 2
-        event_driven.append(_column_after(run_whole(laboratory, scene, EVENT_DRIVEN, REFERENCE)).energy / before)
-        chain = column_state(*soft_chain(_BEADS, _RESTITUTION, _TOUCHING, gap, speed, after))
-        chains.append(chain.energy / before)
         for steps, kept in found.items():
             kept.append(
                 _column_after(run_whole(laboratory, scene, soft(duration=_TOUCHING, resolution=1 / steps))).energy
                 / before
             )
+        event_driven.append(_column_after(run_whole(laboratory, scene, EVENT_DRIVEN, REFERENCE)).energy / before)
+        chain = column_state(*soft_chain(_BEADS, _RESTITUTION, _TOUCHING, gap, speed, after))
+        chains.append(chain.energy / before)
     coarse, fine = (np.array(kept) for kept in found.values())
     tolerance = float(np.abs(coarse - fine).max())
     why = "largest change when dt is halved, which is at least what is left of an error of the first order or above"

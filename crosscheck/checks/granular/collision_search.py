@@ -65,8 +65,9 @@ def _judge_search(laboratory: Laboratory, gas: _Gas) -> Judged:
         initial=Lattice(kind="lattice", structure="square", number=400, temperature=1.0, seed=0),
         output=Output(interval=2.0, observables=("kinetic_energy", "collisions")),
     )
-    starts = [relaxed(laboratory, scene, f"state {i}", 5.0) for i in range(_STATES)]
     reference = REFERENCE if searches else None
+    laboratory.demand(scene, Method(scheme=scheme, dt=STEPS[0]) if searches else EVENT_DRIVEN)
+    starts = [relaxed(laboratory, scene, f"state {i}", 5.0) for i in range(_STATES)]
     hard = [gas.measure(laboratory.run(start, EVENT_DRIVEN, engine=reference)) for start in starts]
     found = []
     for dt in STEPS:

@@ -57,6 +57,7 @@ def cooling_gas(gas: Gas) -> Scene:
 def _judge_cooling(laboratory: Laboratory, gas: Gas) -> Judged:
     """T of soft over T of hard spheres, from the same states: power of the stiffness with which they converge."""
     scene = cooling_gas(gas)
+    laboratory.demand(scene, soft(stiffness=min(STIFFNESSES), resolution=RESOLUTION))
     starts = [relaxed(laboratory, scene, f"state {i}", 2.0) for i in range(max(STIFFNESSES.values()))]
     hard = [energies(laboratory.run(start, EVENT_DRIVEN, engine=REFERENCE)) for start in starts]
     times = np.linspace(0.0, scene.duration, len(hard[0]))

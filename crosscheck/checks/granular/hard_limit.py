@@ -129,6 +129,7 @@ def _judge_limit(laboratory: Laboratory, quantity: _Quantity) -> Judged:
     So is the temperature, which the quantity is divided by.
     """
     measure, gas = quantity.measure, _elastic_gas(quantity.walled)
+    laboratory.demand(gas, soft(duration=DURATIONS[0], resolution=2 * RESOLUTION))
     starts = [relaxed(laboratory, gas, f"state {i}", 5.0) for i in range(REPLICAS)]
     counted = Output(interval=gas.output.interval, observables=(*_MEASURED, "collisions"))
 

@@ -71,8 +71,6 @@ def _measured_pipe(run: Run) -> _Pipe:
 
 
 def _judge_pipe(laboratory: Laboratory, _: str) -> Judged:
-    event_run = run_whole(laboratory, _pipe(laboratory.seed("event-driven"), 30000.0), EVENT_DRIVEN, REFERENCE)
-    hard = _measured_pipe(event_run)
     runs = [
         _measured_pipe(
             run_whole(
@@ -83,6 +81,8 @@ def _judge_pipe(laboratory: Laboratory, _: str) -> Judged:
         )
         for part, t_c in enumerate(_DURATIONS)
     ]
+    event_run = run_whole(laboratory, _pipe(laboratory.seed("event-driven"), 30000.0), EVENT_DRIVEN, REFERENCE)
+    hard = _measured_pipe(event_run)
     fluxes, hot = [run.flux for run in runs], [run.temperature for run in runs]
     judgements = [
         against("mass flux", hard_limit(_DURATIONS, fluxes), hard.flux, 0.05),

@@ -62,8 +62,8 @@ def _judge(laboratory: Laboratory, orbit: Orbit) -> Judged:
 
 def _judge_against_rebound(laboratory: Laboratory, e: float) -> Judged:
     """Velocity Verlet extrapolated to no step against IAS15, each with its own uncertainty."""
-    reference = laboratory.run(kepler_scene(e, 1), Method(scheme="ias15", dt=PERIOD / 1000), engine="rebound")
     limit, rounding, _ = extrapolated(laboratory, e, 1)
+    reference = laboratory.run(kepler_scene(e, 1), Method(scheme="ias15", dt=PERIOD / 1000), engine="rebound")
     theirs = SIGMAS * kepler.rounding_error(e, 1, reference.cost.steps)
     return round_off(
         "distance/a of the two final positions",

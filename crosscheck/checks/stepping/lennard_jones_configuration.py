@@ -15,8 +15,9 @@ from crosscheck.verdict import Judged
 def _judge(laboratory: Laboratory, other: str) -> Judged:
     """other: the engine that is compared with."""
     scene = shaken(fluid(4000, 0.8442, 0.0, 0), 0.05, laboratory.seed())
+    ours = Static.of(laboratory.run(scene, STEP))
     theirs = Static.of(laboratory.run(scene, STEP, engine=other))
-    return compare(Static.of(laboratory.run(scene, STEP)), theirs, reference.pair_sum(scene), other)
+    return compare(ours, theirs, reference.pair_sum(scene), other)
 
 
 CHECKS = (

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from crosscheck.checks.base import Check, Laboratory, Variant
+from crosscheck.checks.base import Check, Laboratory, Variant, small
 from crosscheck.checks.stepping.faults import LOSS, STALE_LISTS, pair_fault
 from crosscheck.checks.stepping.fluids import (
     AVERAGE,
     AVERAGES,
     CUTOFF,
-    PARTICLES,
+    FEW_PARTICLES,
     STATE_POINTS,
     StatePoint,
     energy_kept,
@@ -51,8 +51,8 @@ def _judge(laboratory: Laboratory, point: StatePoint) -> Judged:
                 "error of correlated data; off by half the gap between two equations of state, 1/N of it and of T",
                 samples=(mean, t),
                 # a finite system at constant energy differs by 1/N in the quantity, and in what its temperature is
-                doubt=gap + (size + abs(slope) * t.value) / PARTICLES,
-                needed=0.05 if name == "u" else None,
+                doubt=gap + (size + abs(slope) * t.value) / point.number,
+                needed=point.needed if name == "u" else None,
             )
         )
     return worst(judgements, f"T = {t.value:.4f} +- {t.error:.4f}")
@@ -67,8 +67,12 @@ CHECKS = (
         "a drift, of the energy too, is red",
         citation="Kolafa & Nezbeda, Fluid Phase Equilib. 100, 1 (1994); Thol et al., JPCRD 45, 023101 (2016)",
         judge=_judge,
-        variants=tuple(
-            Variant(name, point, "quick" if name == "rho0.5-T2.0" else "full") for name, point in STATE_POINTS.items()
+        variants=(
+            *(
+                Variant(name, point, "quick" if name == "rho0.5-T2.0" else "full")
+                for name, point in STATE_POINTS.items()
+            ),
+            small("rho0.3-T2.5-N108", FEW_PARTICLES, "rho0.5-T2.0"),
         ),
         faults=(
             (
@@ -81,6 +85,7 @@ CHECKS = (
                 ),
             ),
             ("rho0.5-T2.0", LOSS),
+            ("rho0.3-T2.5-N108", LOSS),
             ("rho0.3-T2.5", STALE_LISTS),
         ),
         needs=AVERAGES,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import json
+import math
 import os
 import select
 import signal
@@ -302,25 +303,29 @@ def _environment(overlay: Path | None, interpreted: bool) -> dict[str, str]:
 class Pool:
     """The workers of one thread, one per engine; two for an engine that may be interpreted.
 
-    overlay: see `Worker`; only `refimpl` gets it. time_limit: seconds that one call may take; it
-    may change, for the next calls of `worker`.
+    overlay: see `Worker`; only `refimpl` gets it. time_limit: seconds that one call may take. deadline: on the clock
+    `time.monotonic`, when all calls end. Both may change, for the next calls of `worker`.
     """
 
-    def __init__(self, overlay: Path | None = None, time_limit: float = TIME_LIMIT) -> None:
+    def __init__(self, overlay: Path | None = None, time_limit: float = TIME_LIMIT, deadline: float = math.inf) -> None:
         self._workers: dict[tuple[str, bool], Worker] = {}
         self._overlay = overlay
         self.time_limit = time_limit
+        self.deadline = deadline
 
     def worker(self, engine: str, interpreted: bool = False) -> Worker:
         """The worker of this engine (a name, or path.py:Class), the same one at every call.
 
-        interpreted: one in which numba compiles nothing.
+        interpreted: one in which numba compiles nothing. EngineError after the deadline.
         """
+        left = self.deadline - time.monotonic()
+        if left <= 0:
+            raise EngineError(f"{engine}: the time is over")
         key = (engine, interpreted)
         if key not in self._workers:
             overlay = self._overlay if engine == "refimpl" else None
             self._workers[key] = Worker(engine, overlay, self.time_limit, interpreted=interpreted)
-        self._workers[key].time_limit = self.time_limit
+        self._workers[key].time_limit = min(self.time_limit, left)
         return self._workers[key]
 
     def lines(self) -> recording.Executed:

@@ -13,7 +13,7 @@ import pytest
 import refimpl
 from crosscheck import checks
 from crosscheck.checks import all_checks
-from crosscheck.checks.base import Check, Variant
+from crosscheck.checks.base import TIERS, Check, Variant
 from crosscheck.engines.registry import engine_class, engine_names
 from crosscheck.faults import Fault
 from crosscheck.runner import unmatched
@@ -74,8 +74,14 @@ def test_check_is_whole(check: Check) -> None:
     # `crosscheck show` and the report find a check from the name of a case
     names = {other.name for other in all_checks()}
     for variants in of_engines.values():
-        assert all(variant.tier in ("quick", "full") for variant in variants)
+        assert all(variant.tier in TIERS for variant in variants)
         own = [variant.name for variant in variants]
+        # a small variant stands for a larger one, and no other does
+        larger = {variant.name for variant in variants if variant.tier != "small"}
+        assert all(
+            variant.instead in larger if variant.tier == "small" else not variant.instead for variant in variants
+        )
+        assert {variant.name for variant in variants if variant.tier == "small"} <= {name for name, _ in check.faults}
         assert len(set(own)) == len(own)
         # a case's name is a pattern that matches itself, and a word on the command line
         assert not any(set(name) & set(" *?[]\n") for name in own)

@@ -330,6 +330,36 @@ def test_engines_that_are_not_here_are_named_and_no_file_of_a_record_is_loaded(t
     assert not loaded.exists()
 
 
+def test_a_run_within_a_budget_is_repeated_by_its_own_command(lines):
+    """No tier holds small cases and others; small ones alone have one."""
+    command = "crosscheck run --engine refimpl --budget 60"
+
+    def of_tiers(*tiers):
+        provenance = lines[0]["provenance"] | {"command": command}
+        given = zip(lines, tiers, strict=False)
+        return html.render([line | {"tier": tier, "provenance": provenance} for line, tier in given], "new")
+
+    assert repeats(of_tiers("small", "quick"))[0] == command
+    assert "--tier small" in repeats(of_tiers("small", "small"))[0]
+    assert "--tier" not in repeats(of_tiers("quick", "quick"))[0]
+
+
+def test_what_there_was_no_time_for_is_one_reason(lines):
+    skipped = [
+        line
+        | {
+            "outcome": "skip",
+            "judgements": [],
+            "worst": None,
+            "message": f"left out by --budget: predicted {seconds} s",
+        }
+        for line, seconds in zip(lines, (3, 40), strict=False)
+    ]
+    text = words(html.render(skipped, "new"))
+    assert "2: left out by --budget" in text
+    assert "predicted 40 s" in text
+
+
 def test_a_whole_group_is_repeated_by_its_name(tmp_path, monkeypatch):
     monkeypatch.setattr(html, "all_checks", all_checks)
     names = sorted({case.check for case in select([], "quick", ["rebound"])})
