@@ -14,7 +14,6 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-from crosscheck import painter
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.engines.registry import engine_names, engine_order
@@ -23,6 +22,7 @@ from crosscheck.files import naming
 from crosscheck.record import Line, case_name, deciding, is_left_out, read, shown
 from crosscheck.report import figures, numbers, pictures
 from crosscheck.report.catches import scores, together
+from crosscheck.report.pages import templates
 from crosscheck.runner import select
 from crosscheck.status import false_alarms
 from crosscheck.text import printable
@@ -148,20 +148,12 @@ def render(lines: list[Line], title: str) -> str:
 
     lines: of the record. title: of the page.
     """
-    import jinja2
-
     sections = _sections(lines)
     precision = [section for section in sections if _is_work_precision(section.name)]
     others = [section for section in sections if not _is_work_precision(section.name)]
     for number, group in enumerate([precision, *([section] for section in others)]):
         _draw(group, f"f{number}")
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
+    environment = templates()
     environment.filters.update(
         measured=numbers.measured,
         expected=numbers.expected,
@@ -171,11 +163,8 @@ def render(lines: list[Line], title: str) -> str:
         deciding=deciding,
         remark=_remark,
         shown=shown,
-        seconds=numbers.seconds,
-        number=numbers.count,
         equation=_equation,
         links=_links,
-        svg=Markup,
     )
     by_outcome = defaultdict(list)
     for section in sections:
@@ -183,8 +172,6 @@ def render(lines: list[Line], title: str) -> str:
             by_outcome[line["outcome"]].append((section, line))
     return environment.get_template("template.html.j2").render(
         name=title,
-        palette=figures.PALETTE,
-        colour_map=painter.colours(),
         lines=lines,
         by_outcome=by_outcome,
         tally=_tally(lines),
