@@ -1,6 +1,7 @@
 """The commands of the command line: what each does and prints. `cli` has their options."""
 
 from crosscheck.commands.calibrating import calibrate
+from crosscheck.commands.comparing import Standard, compare, repeat
 from crosscheck.commands.exporting import export
 from crosscheck.commands.listing import engines, list_checks, report, show
 from crosscheck.commands.mutating import Sample, mutate
@@ -10,6 +11,6 @@ from crosscheck.commands.running import run
 from crosscheck.commands.simulating import simulate
 
 __all__ = [
-    "Sample", "accept_baseline", "calibrate", "diff", "engines", "export", "list_checks", "mutate", "prove", "report",
-    "run", "show", "simulate",
+    "Sample", "Standard", "accept_baseline", "calibrate", "compare", "diff", "engines", "export", "list_checks",
+    "mutate", "prove", "repeat", "report", "run", "show", "simulate",
 ]  # fmt: skip

@@ -12,7 +12,7 @@ from pathlib import Path
 from crosscheck.commands.console import say_if_torn
 from crosscheck.errors import UsageError
 from crosscheck.files import naming, refuse_unwritable, shown_path
-from crosscheck.record import Line, read
+from crosscheck.record import Line, is_left_out, read
 from crosscheck.regression import shown
 from crosscheck.regression.baseline import accept, is_baseline, read_baseline
 from crosscheck.regression.difference import CATEGORIES, Difference, Entry, compare, within
@@ -76,18 +76,25 @@ class Against:
         self._patterns, self._tier, self._engines = patterns, tier, engines
 
     def difference(self, lines: Iterable[Line], directory: Path) -> Difference:
-        """What differs between the baseline and a run. lines: of its record. directory: of the run."""
-        run = of_lines(lines, shown_path(directory))
-        old = within(self._baseline.results, lambda key, case: key in run.cases or self._covers(key, case))
+        """What differs between the baseline and a run, but for what a budget left out.
+
+        lines: of the record of the run. directory: of the run.
+        """
+        kept = list(lines)
+        run = of_lines([line for line in kept if not is_left_out(line)], shown_path(directory))
+        left_out = of_lines([line for line in kept if is_left_out(line)], "").cases
+        old = within(
+            self._baseline.results,
+            lambda key, case: key not in left_out and (key in run.cases or self._covers(key, case)),
+        )
         return compare(old, run)
 
     def _covers(self, key: Key, case: Case) -> bool:
         """Whether the run was to have a case of the baseline."""
         name, engine = key
         wanted = not self._patterns or any(_matches(pattern, name) for pattern in self._patterns)
-        return (
-            wanted and (not self._engines or engine in self._engines) and (self._tier == "full" or case.tier == "quick")
-        )
+        tier = case.tier == self._tier or (case.tier, self._tier) == ("quick", "full")
+        return wanted and tier and (not self._engines or engine in self._engines)
 
     def say(self, difference: Difference, directory: Path) -> None:
         """Prints the difference, and how it can be accepted. directory: of the run."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from crosscheck.documents.compare_schema import compare_schema
 from crosscheck.documents.record_schema import record_schema
 from crosscheck.documents.registry import checks, engines, observables, schemes
 from crosscheck.documents.scene_words import scene_schema, scene_words
@@ -17,6 +18,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "scene-words.md": scene_words,
     "scene.schema.json": scene_schema,
     "record.schema.json": record_schema,
+    "compare.schema.json": compare_schema,
     "observables.md": observables,
     "engines.md": engines,
     "schemes.md": schemes,

@@ -47,18 +47,26 @@ class Worker:
     """One engine's process, started at the first call. Not to be shared between threads.
 
     engine: its name, or path.py:Class. overlay: a directory put first on the path, which holds a `refimpl` with a
-    planted fault. time_limit: seconds that one call may take. interpreted: numba compiles nothing.
+    planted fault. time_limit: seconds that one call may take. interpreted: numba compiles nothing. threads: that its
+    libraries may use.
 
     All calls raise EngineMissing if the engine cannot run on this machine, UsageError for mistakes in scene or method,
     and EngineError, with the last lines of the engine's output, if it fails, crashes or exceeds the time limit.
     """
 
     def __init__(
-        self, engine: str, overlay: Path | None = None, time_limit: float = TIME_LIMIT, *, interpreted: bool = False
+        self,
+        engine: str,
+        overlay: Path | None = None,
+        time_limit: float = TIME_LIMIT,
+        *,
+        interpreted: bool = False,
+        threads: int = 1,
     ) -> None:
         self.engine = engine
         self.overlay = overlay
         self.interpreted = interpreted
+        self.threads = threads
         self.time_limit = time_limit
         self._process: subprocess.Popen[bytes] | None = None
         self._number = 0
@@ -155,7 +163,7 @@ class Worker:
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 pass_fds=(requests_read, answers_write),
-                env=_environment(self.overlay, self.interpreted),
+                env=_environment(self.overlay, self.interpreted, self.threads),
                 start_new_session=True,  # Ctrl-C is the suite's, which ends the worker
             )
         ending.enlist(self._process, directory)
@@ -286,10 +294,10 @@ class Worker:
         os.close(self._answers)
 
 
-def _environment(overlay: Path | None, interpreted: bool) -> dict[str, str]:
-    """Environment of a worker: one thread; an overlay first on the path, with its kernels beside it, if any."""
+def _environment(overlay: Path | None, interpreted: bool, threads: int) -> dict[str, str]:
+    """Environment of a worker: number of threads; an overlay first on the path, with its kernels beside it, if any."""
     environment = dict(os.environ)
-    environment.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", NUMBA_NUM_THREADS="1")
+    environment.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), str(threads)))
     if interpreted:  # with no cache there is nothing that workers wait for each other with
         environment["NUMBA_DISABLE_JIT"] = "1"
         environment.pop("NUMBA_CACHE_DIR", None)

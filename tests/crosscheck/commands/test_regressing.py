@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import pytest
 
 from crosscheck import cli, runner
-from crosscheck.record import Record
+from crosscheck.commands.regressing import Against
+from crosscheck.record import Record, read
 from crosscheck.report.markdown import VARIABLE
-from crosscheck.verdict import Judged, Verdict, bounded, findings, round_off, statistical, worst
+from crosscheck.verdict import LEFT_OUT, Judged, Verdict, bounded, findings, round_off, statistical, worst
 
 CHECK = "stepping/oscillator-exact"
 EULER, VERLET = f"{CHECK}/euler", f"{CHECK}/velocity_verlet"
@@ -386,3 +387,13 @@ def test_an_engine_that_refuses_what_it_was_judged_by_is_seen(crosscheck: Comman
     assert "no longer tested: 2\n" in done.out
     assert "oscillator-exact/velocity_verlet [my_engine.py:MyEngine]: pass before; skipped: " in done.out
     assert "spring-features/rows-0 [my_engine.py:MyEngine]: scenes that the engine refuses: 0 before, " in done.out
+
+
+def test_what_a_budget_left_out_is_not_compared_with_the_baseline(tmp_path: Path, crosscheck: Command) -> None:
+    old = record(tmp_path / "old", verdict(EULER, green()), verdict(VERLET, green()))
+    assert crosscheck("baseline", "accept", "--from", old, "--baseline", tmp_path / "known").status == 0
+    against = Against(tmp_path / "known", [], "quick", [])
+    for reason, status in ((f"{LEFT_OUT}: predicted 340 s", 0), ("the engine has no springs", 4)):
+        left = Verdict(CHECK, "velocity_verlet", "refimpl", "skip", None, reason)
+        new = record(tmp_path / str(status), verdict(EULER, green()), left)
+        assert against.difference(read(new), new).status() == status

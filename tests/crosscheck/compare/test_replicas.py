@@ -1,0 +1,78 @@
+"""The odd one out of many runs, and when it left."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pairs_of_runs import from_state, liquid, run, trajectory
+
+from crosscheck.compare.replicas import replicas
+from crosscheck.compare.trajectories import compare_trajectories
+from crosscheck.errors import UsageError
+from crosscheck.trajectories.memory import in_memory
+
+
+def copies(count: int, frames: int = 10) -> list[np.ndarray]:
+    base = np.random.default_rng(1).random((frames, 4, 3))
+    return [base.copy() for _ in range(count)]
+
+
+def test_twenty_runs_of_which_one_parts_at_a_known_step() -> None:
+    scene = liquid().changed(duration=4.0)
+    base = run(scene)
+    half = run(scene.changed(duration=1.6))
+    velocities = half["velocities"][-1].copy()
+    velocities[11, 2] += 1e-14  # a few of the last bits, at step 320
+    rest = run(from_state(scene, half["positions"][-1], velocities, duration=2.4))
+    odd = {name: np.concatenate([half[name], rest[name][1:]]) for name in ("positions", "velocities")}
+    odd["velocities"][16] = velocities
+    sources = [trajectory(scene, base, f"run-{number:02d}") for number in range(20)]
+    sources[6] = trajectory(scene, odd | {"time": base["time"]}, "run-06")
+    found = replicas(sources)
+    assert found.left == {6: 16}
+    assert found.groups == (19, 1)
+    assert found.times[16] == pytest.approx(1.6)
+    pair = compare_trajectories(sources[found.reference], sources[6])
+    assert pair.classed == "chaos_only"
+    assert pair.bits is not None
+    assert (pair.bits.pair, pair.bits.particle, pair.bits.axis) == (16, 12, 2)
+    assert pair.steps is not None
+    assert pair.steps[16] == 320
+
+
+def test_those_that_are_the_same_never_leave() -> None:
+    times = np.arange(10.0)
+    found = replicas([in_memory(str(k), times, x) for k, x in enumerate(copies(3))])
+    assert found.left == {}
+    assert found.groups == (3,)
+    assert found.frames == 10
+
+
+def test_groups_leave_one_after_the_other() -> None:
+    times, arrays = np.arange(10.0), copies(6)
+    for k in (0, 3):  # the first run belongs to the smaller group
+        arrays[k][4:, 2, 1] += 1e-16 + np.spacing(arrays[k][4:, 2, 1])
+    arrays[5][7:, 0, 0] += 1.0
+    found = replicas([in_memory(str(k), times, x) for k, x in enumerate(arrays)])
+    assert found.left == {0: 4, 3: 4, 5: 7}
+    assert found.reference == 1
+    assert found.groups == (3, 2, 1)
+
+
+def test_of_two_the_second_leaves() -> None:
+    times, arrays = np.arange(10.0), copies(2)
+    arrays[1][3:] += 1e-9
+    assert replicas([in_memory(str(k), times, x) for k, x in enumerate(arrays)]).left == {1: 3}
+
+
+def test_minus_zero_is_zero() -> None:
+    times, arrays = np.arange(10.0), copies(2)
+    arrays[0][5, 1, 1], arrays[1][5, 1, 1] = 0.0, -0.0
+    assert replicas([in_memory(str(k), times, x) for k, x in enumerate(arrays)]).left == {}
+
+
+def test_runs_without_a_common_frame_are_refused() -> None:
+    arrays = copies(3, 4)
+    times = [np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 1.0, 8.0, 9.0]), np.array([2.0, 3.0, 4.0, 5.0])]
+    with pytest.raises(UsageError, match="no frame is common to all runs"):
+        replicas([in_memory(str(k), t, x) for k, (t, x) in enumerate(zip(times, arrays, strict=True))])

@@ -1,0 +1,111 @@
+"""Statistics of two trajectories: what is the same is said to be, and what is not is seen."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from crosscheck.compare.pairing import pair
+from crosscheck.compare.samples import LEVEL, compare_samples, compare_series, different
+from crosscheck.trajectories.frames import Box, Floats
+from crosscheck.trajectories.memory import InMemory, in_memory
+
+SIDE, NUMBER, FRAMES = 10.0, 200, 120
+
+
+def gas(seed: int, temperature: float = 1.0, *, axis: float = 1.0, hot: float = 1.0, spin: float = 0.0) -> InMemory:
+    """Free particles whose velocities are drawn anew now and then, as by a thermostat."""
+    rng = np.random.default_rng(seed)
+    positions = np.empty((FRAMES, NUMBER, 3))
+    velocities = np.empty((FRAMES, NUMBER, 3))
+    x = rng.random((NUMBER, 3)) * SIDE
+    scale = np.sqrt(temperature) * np.array([1.0, 1.0, axis**0.5]) * np.ones((NUMBER, 1))
+    scale[NUMBER // 2 :] *= hot**0.5
+    v = rng.standard_normal((NUMBER, 3)) * scale
+    for k in range(FRAMES):
+        new = rng.random(NUMBER) < 0.9
+        v[new] = (rng.standard_normal((NUMBER, 3)) * scale)[new]
+        x = x + 0.1 * v
+        positions[k], velocities[k] = x, v
+    types = np.repeat([1, 2], NUMBER // 2)
+    box = Box(SIDE * np.eye(3), np.zeros(3), np.ones(3, dtype=bool))
+    return in_memory(f"gas-{seed}", np.arange(FRAMES) * 0.1, positions, velocities, types=types, box=box)
+
+
+def found(one: InMemory, other: InMemory) -> list[Any]:
+    return compare_samples(one, other, pair(one, other), 0.0)
+
+
+def test_the_same_gas_is_the_same() -> None:
+    for seed in range(4):
+        tested = found(gas(seed), gas(100 + seed))
+        assert different(tested) == []
+        names = [one.name for one in tested]
+        assert {"mean v_z^2 of type 2", "mean v^4 of type 1", "mean square displacement over 4 frames"} <= set(names)
+        assert sum(name.startswith("neighbours") for name in names) >= 10
+        best = min(one.sensitivity for one in tested if one.name.startswith("mean v^2"))
+        # the error of the difference is (2/300)^1/2 (2/100)^1/2 of the mean: 100 particles, about as many frames
+        assert 5 * 0.0115 < best < 20 * 0.0115
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"),
+    [
+        ({"temperature": 1.3}, "mean v^2"),
+        ({"axis": 1.5}, "mean v_z^2"),
+        ({"hot": 1.3}, "mean v^2 of type 2"),
+    ],
+)
+def test_other_velocities_are_seen(changes: dict[str, float], name: str) -> None:
+    first = different(found(gas(1), gas(2, **changes)))
+    assert any(one.name.startswith(name) for one in first[:4]), first
+    # the deviation is what its sensitivity said would be seen
+    assert all(abs(one.first - one.second) > 0.5 * one.sensitivity * abs(one.first) for one in first)
+
+
+def test_other_distances_are_seen() -> None:
+    rng = np.random.default_rng(5)
+    one, other = (
+        in_memory(str(k), np.arange(FRAMES) * 0.1, rng.random((FRAMES, NUMBER, 3)) * SIDE, box=gas(1).box)
+        for k in range(2)
+    )
+    closer = other.positions.copy()
+    closer[:, ::2] = closer[:, 1::2] + np.array([0.9, 0.0, 0.0])  # pairs
+    paired = in_memory("pairs", other.times, closer, box=other.box)
+    assert any(one.name.startswith("neighbours at distances 0.8") for one in different(found(one, paired)))
+
+
+def test_wrapped_positions_have_the_same_displacements() -> None:
+    one = gas(3)
+    folded = one.positions - np.floor(one.positions / SIDE) * SIDE
+    wrapped = in_memory("wrapped", one.times, folded, one.velocities, types=one.types, box=one.box, wrapping="wrapped")
+    for tested in found(one, wrapped):
+        assert tested.first == pytest.approx(tested.second, rel=1e-4), tested.name
+
+
+def series(rng: np.random.Generator, length: int, correlation: float) -> Floats:
+    noise = rng.standard_normal(length)
+    values = np.empty(length)
+    values[0] = noise[0]
+    for k in range(1, length):
+        values[k] = correlation * values[k - 1] + (1 - correlation**2) ** 0.5 * noise[k]
+    return values
+
+
+def test_correlated_series_are_rarely_called_different() -> None:
+    """Of 100 pairs of ten series each, at a level of 1e-4 for all ten, none."""
+    rng = np.random.default_rng(7)
+    called = 0
+    for _ in range(100):
+        pairs = [{str(k): series(rng, 200, 0.8) for k in range(10)} for _ in range(2)]
+        called += bool(different(compare_series(*pairs)))
+    assert LEVEL == 1e-4
+    assert called == 0
+
+
+def test_short_series_are_unclear_and_constants_are_left_out() -> None:
+    rng = np.random.default_rng(1)
+    tested = compare_series({"a": series(rng, 6, 0.0), "b": np.ones(50)}, {"a": series(rng, 6, 0.0), "b": np.ones(50)})
+    assert [(one.name, one.outcome) for one in tested] == [("a", "unclear")]
