@@ -208,6 +208,14 @@ def simulate(
         Optional[Path],  # noqa: UP045
         typer.Option(help="Go on from this file, restart-<engine>.npz of an earlier run of the scene."),
     ] = None,
+    method: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(
+            metavar="[ENGINE:]KEY=VALUE,...",
+            help="Method of one engine, or of all: entries of the scene's table \\[method], as "
+            "rebound:scheme=collisions_direct,dt=0.001. Repeatable; twice for one engine: two runs of it.",
+        ),
+    ] = None,
 ) -> None:
     """Run a scene; print a summary, and write all that it records, and a picture, of several engines side by side.
 
@@ -215,7 +223,8 @@ def simulate(
     """
     from crosscheck import commands
 
-    raise typer.Exit(interruptible(lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit, restart)))
+    engines, methods = engine or ["refimpl"], method or []
+    raise typer.Exit(interruptible(lambda: commands.simulate(scene, engines, out, time_limit, restart, methods)))
 
 
 @app.command()

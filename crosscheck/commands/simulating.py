@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.markup import escape
@@ -15,12 +16,18 @@ from crosscheck.files import naming, refuse_no_directory
 
 
 def simulate(
-    scene: Path, engine_list: list[str], out: Path, time_limit: float = TIME_LIMIT, restart: Path | None = None
+    scene: Path,
+    engine_list: list[str],
+    out: Path,
+    time_limit: float = TIME_LIMIT,
+    restart: Path | None = None,
+    methods: Sequence[str] = (),
 ) -> int:
     """Runs a scene, prints how the runs went and the paths of the files written; returns the exit status.
 
     scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
     files. time_limit: seconds that one call of an engine may take. restart: a restart file to go on from; None: none.
+    methods: of single engines, or of all, see `crosscheck.simulate.methods.planned`.
     The status is 1 if a run diverged, stopped before its end, or failed, else 0. UsageError: see
     `crosscheck.simulate.run.simulate`, and if another run is writing there.
     """
@@ -29,7 +36,7 @@ def simulate(
 
     refuse_no_directory(out, "the files")
     with locked(out), naming(out):
-        done = simulate_scene(scene, engine_list, out, time_limit, restart)
+        done = simulate_scene(scene, engine_list, out, time_limit, restart, methods)
     console = wide_console()
     table = Table(box=None, pad_edge=False)
     for title in ("engine", "method"):
