@@ -243,6 +243,14 @@ def simulate(
             help=f"Format of the trajectories: {', '.join(format_names())}. Repeatable. Default: extxyz.",
         ),
     ] = None,
+    method: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(
+            metavar="[ENGINE:]KEY=VALUE,...",
+            help="Method of one engine, or of all: entries of the scene's table \\[method], as "
+            "rebound:scheme=collisions_direct,dt=0.001. Repeatable; twice for one engine: two runs of it.",
+        ),
+    ] = None,
 ) -> None:
     """Run a scene; print a summary, and write all that it records, and a picture, of several engines side by side.
 
@@ -252,7 +260,9 @@ def simulate(
 
     raise typer.Exit(
         interruptible(
-            lambda: commands.simulate(scene, engine or ["refimpl"], out, time_limit, restart, tuple(formats or ()))
+            lambda: commands.simulate(
+                scene, engine or ["refimpl"], out, time_limit, restart, tuple(formats or ()), tuple(method or ())
+            )
         )
     )
 

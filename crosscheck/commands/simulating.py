@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.markup import escape
@@ -22,12 +23,14 @@ def simulate(
     time_limit: float = TIME_LIMIT,
     restart: Path | None = None,
     formats: tuple[str, ...] = (),
+    methods: Sequence[str] = (),
 ) -> int:
     """Runs a scene, prints how the runs went and the paths of the files written; returns the exit status.
 
     scene: a TOML file, or the name of a shipped scene. engine_list: names, or path.py:Class. out: directory of the
     files. time_limit: seconds that one call of an engine may take. restart: a restart file to go on from; None: none.
-    formats: of the trajectories; none: the default.
+    formats: of the trajectories; none: the default. methods: of single engines, or of all, see
+    `crosscheck.simulate.methods.planned`.
 
     The status is FAILED if a run diverged or stopped before its end, else UNJUDGED if an engine failed, or the picture
     could not be drawn, else PASSED. UsageError: see `crosscheck.simulate.run.simulate`, and if another run is writing
@@ -38,7 +41,7 @@ def simulate(
 
     refuse_no_directory(out, "the files")
     with locked(out), naming(out):
-        done = simulate_scene(scene, engine_list, out, time_limit, restart, formats)
+        done = simulate_scene(scene, engine_list, out, time_limit, restart, formats, methods)
     console = wide_console()
     table = Table(box=None, pad_edge=False)
     for title in ("engine", "method"):

@@ -105,11 +105,11 @@ def file_labels(engines: Sequence[str]) -> dict[str, str]:
     it from the others.
     """
     for depth in range(1, 1 + max(len(_parts(engine)) for engine in engines)):
-        labels = {engine: _clean("-".join(_parts(engine)[-depth:])) for engine in engines}
+        labels = {engine: clean("-".join(_parts(engine)[-depth:])) for engine in engines}
         if len({label.casefold() for label in labels.values()}) == len(labels):
             return labels
     # names that differ in signs alone, which do not go into a file's name
-    return {engine: f"{number}-{_clean(_parts(engine)[-1])}" for number, engine in enumerate(engines, 1)}
+    return {engine: f"{number}-{clean(_parts(engine)[-1])}" for number, engine in enumerate(engines, 1)}
 
 
 def _parts(engine: str) -> tuple[str, ...]:
@@ -117,6 +117,6 @@ def _parts(engine: str) -> tuple[str, ...]:
     return Path(os.path.abspath(engine)).parts[1:] if ".py:" in engine else (engine,)
 
 
-def _clean(text: str) -> str:
-    """The text as a part of a file's name, which may have 255 bytes in all; of a longer one, its end."""
+def clean(text: str) -> str:
+    """`text` as a part of a file's name, which may have 255 bytes in all; of a longer one, its end."""
     return re.sub(r"[^A-Za-z0-9_.-]+", "-", text)[-_LONGEST_LABEL:]

@@ -6,6 +6,7 @@ Below are the differences of two engines.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from textwrap import wrap
@@ -46,12 +47,12 @@ _WIDTH = 3.6
 
 
 def draw_picture(
-    out: Path, scene: Scene, method: Method, results: list[Result], differences: dict[str, Floats]
+    out: Path, scene: Scene, methods: Sequence[Method], results: Sequence[Result], differences: dict[str, Floats]
 ) -> list[Path]:
     """Writes picture.png and picture.svg to the directory `out`; returns their paths.
 
-    results: runs of `scene` with `method`, one per engine. differences: name -> (samples,), see `run.differences`;
-    empty unless there are two engines.
+    methods, results: of the runs of `scene`. differences: name -> (samples,), see `run.differences`; empty unless there
+    are two runs.
     """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -79,7 +80,9 @@ def draw_picture(
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # a name in a script that the font has not
         figure = Figure(figsize=(max(5.5, 4.6 * len(results)), sum(heights) + 0.5), layout="constrained")
         FigureCanvasAgg(figure)
-        title = printable(f"{scene.name}: {method_label(method)}, {_end(scene, results)}")
+        same = len(set(methods)) == 1
+        parts = [*([method_label(methods[0])] if same else []), _end(scene, results)]
+        title = printable(f"{scene.name}: {', '.join(parts)}")
         # a name may be long, and may hold dollar signs
         figure.suptitle("\n".join(wrap(title, 70 * len(results))), parse_math=False)
         grid = figure.add_gridspec(len(heights), len(results), height_ratios=heights)
@@ -87,6 +90,8 @@ def draw_picture(
         for column, result in enumerate(results):
             state = " (diverged)" if result.run.diverged else " (stopped)" if result.run.stopped else ""
             title = printable(result.engine + state)
+            if not same:
+                title = "\n".join(wrap(f"{title}: {printable(method_label(methods[column]))}", 40))
             if particles:
                 axes = figure.add_subplot(grid[0, column])
                 axes.set_title(title, fontsize=10, parse_math=False)
@@ -118,7 +123,7 @@ def draw_picture(
     return paths
 
 
-def _end(scene: Scene, results: list[Result]) -> str:
+def _end(scene: Scene, results: Sequence[Result]) -> str:
     """Until when the runs went: their last sample if they end at a number of collisions, else the duration."""
     if any(result.run.stopped or result.run.diverged for result in results):
         return f"duration {scene.duration:g}"

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from importlib.resources import as_file
 from pathlib import Path
 
+from crosscheck.engines.protocol import Kind
 from crosscheck.engines.registry import engine_class
 from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Pool
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.files import shown_path
-from crosscheck.scene import Floats, Method, Scene
+from crosscheck.scene import Floats, Scene
 from crosscheck.simulate.arrays import write_arrays, write_places
-from crosscheck.simulate.files import file_labels, results_in
+from crosscheck.simulate.files import results_in
+from crosscheck.simulate.methods import Planned, mend, planned
 from crosscheck.simulate.observables import Result, observables, write_observables
 from crosscheck.simulate.picture import draw_picture
 from crosscheck.simulate.progress import shown
@@ -71,148 +73,139 @@ def simulate(
     time_limit: float = TIME_LIMIT,
     restart: Path | None = None,
     formats: Sequence[str] = (),
+    methods: Sequence[str] = (),
 ) -> Simulation:
-    """Runs a scene on each engine with the scene's own method, and writes the results.
+    """Runs a scene on each engine with its own method, or else that of the scene, and writes the results.
 
     scene: a TOML file, or the name of a shipped scene. engines: names, or path.py:Class, each once. out: the directory
-    to write to, made if it is not there. <engine> in the names of files is the name, or the file and the class:
-    arrays-<engine>.npz with all arrays; observables-<engine>.csv with what has a value per sample;
-    particles-, fields-, blocks-, rows- and sites-<engine>.csv with what has one per particle, cell ...;
-    trajectory-<engine>.<suffix>; each where the scene records such a thing; restart-<engine>.npz of engines that can go
+    to write to, made if it is not there. <run> in the names of files is the name of the engine, or the file and the
+    class, and its method where it has several: arrays-<run>.npz with all arrays; observables-<run>.csv with what has a
+    value per sample; particles-, fields-, blocks-, rows- and sites-<run>.csv with what has one per particle, cell ...;
+    trajectory-<run>.<format>; each where the scene records such a thing; restart-<run>.npz of engines that can go
     on from one; picture.png and picture.svg. Files of the simulation before in this directory are removed. time_limit:
     seconds that one call of an engine may take. restart: a restart file to go on from; None: the run begins at the
-    scene's initial state. formats: of the trajectories, names of `crosscheck.trajectories.formats`; none: extended XYZ,
-    of a scene that records one.
+    scene's initial state. methods: see `crosscheck.simulate.methods.planned`. formats: of the trajectories, names
+    of `crosscheck.trajectories.formats`; none: extended XYZ, of a scene that records one.
 
-    UsageError if the scene is not valid or has no [method], if an engine is missing or cannot run the scene, if files
-    cannot be written, if a format is unknown, or asked for of a scene without a trajectory, and if the restart file is
-    damaged, or of another scene, method or engine. EngineError if every engine failed.
+    UsageError if the scene is not valid or a run has no method, if an engine is missing or cannot run the scene, if
+    files cannot be written, if a format is unknown, or asked for of a scene without a trajectory, and if the restart
+    file is damaged, or of another scene, method or engine. EngineError if every engine failed.
     """
     loaded = load(scene)
     check_formats(formats, loaded)
-    method = _method(loaded)
-    if len(set(map(_identity, engines))) < len(engines):
-        raise UsageError(f"--engine: {', '.join(engines)}: name each engine once")
+    plan = planned(loaded, engines, methods)
     before = None if restart is None else read_restart(restart)
     if before is not None:
-        loaded = going_on(before, loaded, method, engines)
-    loaded.check_start()
+        plan = [_going_on(before, plan)]
+    for one in {run.method.contact is None: run for run in plan}.values():
+        one.scene.check_start()
     with results_in(out) as files:
-        states = {engine: files.scratch / f"state-{number}.npz" for number, engine in enumerate(engines)}
-        results, kinds, failures = _run_all(loaded, method, states, before, time_limit)
+        states = {one.label: files.scratch / f"state-{number}.npz" for number, one in enumerate(plan)}
+        results, failures = _run_all(plan, states, before, time_limit)
         written: list[Path] = []
         remarks: list[str] = []
-        for result in results:
+        for one, result in results:
             name = result.engine
             if len(result.table) > 1:
                 path = files.scratch / f"observables-{name}.csv"
-                written.append(write_observables(path, loaded, method, result))
-            written.append(write_arrays(files.scratch / f"arrays-{name}.npz", loaded, method, result))
-            paths, remark = write_places(files.scratch, name, loaded, method, result)
+                written.append(write_observables(path, one.scene, one.method, result))
+            written.append(write_arrays(files.scratch / f"arrays-{name}.npz", one.scene, one.method, result))
+            paths, remark = write_places(files.scratch, name, one.scene, one.method, result)
             written += paths
             remarks += [remark] if remark else []
-            written += write_trajectories(files.scratch, name, loaded, result.run, method, formats or DEFAULT)
-        written += _write_restarts(files.scratch, loaded, method, states, results, before)
-        compared = differences(*results) if len(results) == 2 else {}
+            written += write_trajectories(files.scratch, name, one.scene, result.run, one.method, formats or DEFAULT)
+        written += _write_restarts(files.scratch, states, results, before)
+        found = [result for _, result in results]
+        compared = differences(*found) if len(found) == 2 else {}
         try:
-            written += draw_picture(files.scratch, loaded, method, results, compared)
+            shown_methods = [one.method for one, _ in results]
+            written += draw_picture(files.scratch, plan[0].scene, shown_methods, found, compared)
         except Exception as error:  # the numbers of a long run must not be lost with its picture
             failures.append(f"the picture cannot be drawn ({type(error).__name__}: {' '.join(str(error).split())})")
         paths = files.put(written)
     return Simulation(
         paths=paths,
-        rows=[row(loaded, method, result, kinds[result.engine]) for result in results],
-        endings=[text for result in results for text in endings(loaded, result)],
-        differences=compare(loaded, results),
+        rows=[row(one.scene, one.method, result, kind_of(one)) for one, result in results],
+        endings=[text for one, result in results for text in endings(one.scene, result)],
+        differences=compare(plan[0].scene, found),
         failures=failures,
         remarks=remarks,
-        whole=not failures and not any(result.run.diverged or result.run.stopped for result in results),
+        whole=not failures and not any(result.run.diverged or result.run.stopped for result in found),
     )
+
+
+def kind_of(one: Planned) -> Kind:
+    """The kind of the scheme of a run; one: the run."""
+    return engine_class(one.engine).schemes[one.method.scheme].kind
+
+
+def _going_on(before: Restart, plan: Sequence[Planned]) -> Planned:
+    """The run that goes on from a restart file; UsageError if there are several, or it is not of that file."""
+    first = plan[0]
+    scene = going_on(before, first.scene, first.method, [one.engine for one in plan])
+    return replace(first, scene=scene)
 
 
 def _write_restarts(
     directory: Path,
-    scene: Scene,
-    method: Method,
     states: dict[str, Path],
-    results: Sequence[Result],
+    results: Sequence[tuple[Planned, Result]],
     before: Restart | None,
 ) -> list[Path]:
-    """Writes a restart file for each engine that has left its state at the end; their paths.
+    """Writes a restart file for each run that has left its state at the end; their paths.
 
-    states: by engine, the file with it, if it is there. before: the restart file that the runs have gone on from.
+    states: by label, the file with it, if it is there. before: the restart file that the runs have gone on from.
     """
     written = []
-    labels = file_labels(tuple(states))
-    of_label = {result.engine: result for result in results}
-    for engine, state in states.items():
-        result = of_label.get(labels[engine])
-        if result is None or not state.exists():
+    for one, result in results:
+        state, scene = states[one.label], one.scene
+        if not state.exists():
             continue
         span = scene.duration if scene.output.collisions is None else float(result.run["time"][-1])
         written.append(directory / f"restart-{result.engine}.npz")
         end = span if before is None else before.time + span
-        write_restart(written[-1], state, scene, method, (engine, result.version), end)
+        write_restart(written[-1], state, scene, one.method, (one.engine, result.version), end)
     return written
 
 
-def _identity(engine: str) -> str:
-    """The same text for two spellings of one engine."""
-    return str(Path(engine).resolve()) if ".py:" in engine else engine
-
-
-def _method(scene: Scene) -> Method:
-    """The scene's own method; UsageError, with an example of one, if it has none."""
-    if scene.method is not None:
-        return scene.method
-    example = 'scheme and dt, as in scheme = "velocity_verlet", dt = 0.005'
-    if scene.hard_spheres is not None:
-        example = 'scheme = "event_driven"'
-    elif scene.lattice_gas is not None:
-        example = 'scheme = "lattice_planes"'
-    raise UsageError(f"scene {scene.name}: add [method] with {example}")
-
-
 def _run_all(
-    scene: Scene, method: Method, states: dict[str, Path], before: Restart | None, time_limit: float
-) -> tuple[list[Result], dict[str, str], list[str]]:
-    """The runs, the kind of scheme of each by its label, and the messages of engines that failed.
+    plan: Sequence[Planned], states: dict[str, Path], before: Restart | None, time_limit: float
+) -> tuple[list[tuple[Planned, Result]], list[str]]:
+    """The runs, and the messages of engines that failed.
 
     All engines are asked whether they can run the scene before the first one does. states: the file for the state at
-    the end, by engine. before: the restart file that the runs go on from; None: none. EngineError if all failed.
+    the end, by label. before: the restart file that the runs go on from; None: none. EngineError if all failed.
     """
-    engines = tuple(states)
-    labels = file_labels(engines)
     versions: dict[str, str] = {}
-    results: list[Result] = []
+    results: list[tuple[Planned, Result]] = []
     failures: list[str] = []
     restart = None if before is None else before.path.absolute()
     pool = Pool(time_limit=time_limit)
     try:
-        for engine in engines:
-            with shown(labels[engine], pool.worker(engine).progress):
-                versions[engine] = _version(scene, method, engine, pool)
+        for one in plan:
+            with shown(one.label, pool.worker(one.engine).progress):
+                versions[one.engine] = _version(one, pool)
             if before is not None:
-                check_version(before, versions[engine])
-        for engine in engines:
+                check_version(before, versions[one.engine])
+        for one in plan:
             try:
-                worker = pool.worker(engine)
-                with shown(labels[engine], worker.progress):
-                    run = worker.run(scene, method, worker.progress, restart, states[engine])
+                worker = pool.worker(one.engine)
+                with shown(one.label, worker.progress):
+                    run = worker.run(one.scene, one.method, worker.progress, restart, states[one.label])
             except EngineError as error:
                 failures.append(str(error))
                 continue
-            results.append(Result(labels[engine], versions[engine], run, observables(scene, run)))
+            results.append((one, Result(one.label, versions[one.engine], run, observables(one.scene, run))))
     finally:
         pool.close()
     if not results:
         raise EngineError("\n".join(failures))
-    kinds: dict[str, str] = {labels[engine]: engine_class(engine).schemes[method.scheme].kind for engine in engines}
-    return results, kinds, failures
+    return results, failures
 
 
-def _version(scene: Scene, method: Method, engine: str, pool: Pool) -> str:
-    """The version of an engine; UsageError if it is missing or cannot run the scene."""
+def _version(one: Planned, pool: Pool) -> str:
+    """The version of an engine; UsageError if it is missing or cannot run the scene with its method."""
+    engine, scene, method = one.engine, one.scene, one.method
     worker = pool.worker(engine)
     schemes = engine_class(engine).schemes
     try:
@@ -220,7 +213,8 @@ def _version(scene: Scene, method: Method, engine: str, pool: Pool) -> str:
     except EngineMissing as missing:
         raise UsageError(str(missing)) from None
     if reason is not None:
-        raise UsageError(f"{engine} cannot run scene {scene.name}: {reason}; its schemes: {', '.join(schemes)}")
+        cure = mend(scene, engine, method) or f"; its schemes: {', '.join(schemes)}"
+        raise UsageError(f"{engine} cannot run scene {scene.name}: {reason}{cure}")
     return version
 
 

@@ -301,7 +301,7 @@ def _output(row: Row, d: int, duration: float) -> Output:
     names = [*SUMS]
     names += ["rotational_energy"] if row["friction"] != "none" else []
     names += ["wall_torque"] if row["cylinder"] != "none" else []
-    fields = {"wide": (2, 3, 2), "dilute": (4, 3, 5)}.get(row["box"], ())[:d]
+    fields = {"wide": (2, 3, 2), "dilute": (4, 1, 5)}.get(row["box"], ())[:d]
     return Output(
         observables=tuple(name for name in TABLE if name in names),
         trajectory=True,

@@ -12,6 +12,7 @@ import numpy as np
 from crosscheck.references.event_audit.deviations import Audit
 from crosscheck.references.event_audit.history import History
 from crosscheck.scene import Floats
+from crosscheck.scene.overlaps import wrapped
 
 #: An oscillating wall turns by less than this between two times that are looked at, rad.
 LARGEST_TURN = 0.5
@@ -20,6 +21,11 @@ LARGEST_TURN = 0.5
 OF_ROOM, OF_SIDE = 0.9, 0.2
 #: Places at which the height above a wall is looked at between two times, and steps of Newton's from the lowest.
 PLACES, STEPS = 9, 5
+
+#: Up to so many particles, all pairs are looked at in each interval; of more, those that can come into contact in it.
+ALL_PAIRS = 64
+#: Positions that are held at a time, of more than so many particles.
+_AT_A_TIME = 200_000
 
 #: tau -> value and first two derivatives, all (intervals, N).
 Height = Callable[[Floats], tuple[Floats, Floats, Floats]]
@@ -34,10 +40,13 @@ def audit_missed(history: History, rounding: float, found: Audit) -> None:
     times = _moments(history)
     if times.size < 2:
         return
-    spans = np.diff(times)
-    x, v, _ = history.at(times[:-1])
-    _pairs(history, times, spans, x, v, rounding, found)
-    _walls(history, times, spans, x, v, rounding, found)
+    few = history.matter.number <= ALL_PAIRS
+    pairs, count = (_pairs, times.size) if few else (_near_pairs, max(1, _AT_A_TIME // history.matter.number))
+    for first in range(0, times.size - 1, count):
+        part = times[first : first + count + 1]
+        x, v, _ = history.at(part[:-1])
+        pairs(history, part, np.diff(part), x, v, rounding, found)
+        _walls(history, part, np.diff(part), x, v, rounding, found)
 
 
 def _moments(history: History) -> Floats:
@@ -88,6 +97,69 @@ def _pairs(history: History, times: Floats, spans: Floats, x: Floats, v: Floats,
             _deepest(found, np.where(within, 0.0, edge - lowest), rounding, times, i, j, "are in their well unseen")
             beyond = np.maximum(np.sqrt(start), end) - edge
             _deepest(found, np.where(within, beyond, 0.0), rounding, times, i, j, "left their well unseen")
+
+
+def _near_pairs(
+    history: History, times: Floats, spans: Floats, x: Floats, v: Floats, rounding: float, found: Audit
+) -> None:
+    """As `_pairs`, for those pairs alone that are near enough at the beginning of an interval to meet in it.
+
+    Two that are in their well are near; only the nearest image is, unless the box leaves little room: then all pairs.
+    """
+    from scipy.spatial import cKDTree
+
+    matter, d = history.matter, history.matter.dimension
+    boxed = matter.periods > 0
+    fastest = 2 * np.sqrt(((v - v[:, :1]) ** 2).sum(axis=2)).max(axis=1)
+    reach = 2 * float(matter.radii.max()) * matter.well_range + fastest * spans + rounding
+    room = float(matter.periods[boxed].min()) / 2 if boxed.any() else np.inf
+    parts = []
+    for k, distance in enumerate(reach.tolist()):
+        if distance >= room:
+            _pairs(history, times[k : k + 2], spans[k : k + 1], x[k : k + 1], v[k : k + 1], rounding, found)
+            continue
+        tree = cKDTree(wrapped(x[k, :, :d], matter.periods), boxsize=matter.periods)
+        near = tree.query_pairs(distance, output_type="ndarray")
+        parts.append(np.column_stack([np.full(len(near), k), near]))
+    if not parts:
+        return
+    k, i, j = np.concatenate(parts).T
+    contact = matter.radii[i] + matter.radii[j]
+    real = (contact > 0) & ~(matter.fixed[i] & matter.fixed[j])
+    k, i, j, contact = k[real], i[real], j[real], contact[real]
+    if not k.size:
+        return
+    r, w, span = matter.nearest((x[k, j] - x[k, i])[:, :d]), (v[k, j] - v[k, i])[:, :d], spans[k]
+    start, rw, ww = (r * r).sum(axis=1), (r * w).sum(axis=1), (w * w).sum(axis=1)
+    closest = np.clip(-rw / np.where(ww > 0, ww, 1.0), 0.0, span)
+    lowest = np.sqrt(np.maximum(start + closest * (2 * rw + closest * ww), 0.0))
+
+    def deepest(depth: Floats, what: str) -> None:
+        worst = int(np.argmax(depth))
+        when = f"t = {times[k[worst]]:.6g} to {times[k[worst] + 1]:.6g}"
+        where = f"{when}: particles {i[worst]} and {j[worst]} {what}"
+        found.note("missed events", max(float(depth[worst]), 0.0), rounding, where)
+
+    deepest(contact - lowest, "overlap")
+    if matter.spheres.well is None:
+        return
+    within = _bonded(history, times[:-1], k, i, j)
+    edge, end = contact * matter.well_range, np.sqrt(start + span * (2 * rw + span * ww))
+    deepest(np.where(within, 0.0, edge - lowest), "are in their well unseen")
+    deepest(np.where(within, np.maximum(np.sqrt(start), end) - edge, 0.0), "left their well unseen")
+
+
+def _bonded(history: History, times: Floats, k: Floats, i: Floats, j: Floats) -> Floats:
+    """Whether the pairs i < j are in their wells in the intervals k that begin at `times`, all (pairs,)."""
+    known = history.bonds()
+    of_interval = np.searchsorted(history.times, times, side="right")
+    found = np.zeros(k.size, dtype=bool)
+    low, high = np.minimum(i, j), np.maximum(i, j)
+    for interval in np.unique(k).tolist():
+        here = np.flatnonzero(k == interval)
+        bonds = known[int(of_interval[interval])]
+        found[here] = [(a, b) in bonds for a, b in zip(low[here].tolist(), high[here].tolist(), strict=True)]
+    return found
 
 
 def _inside(history: History, times: Floats, i: Floats, j: Floats) -> Floats:

@@ -352,6 +352,9 @@ def _pair_fields(
                         step = -1
                     elif step < -1 or (step == -1 and shape == 2 and _component_along(x, y, z, k) > 0.0):
                         step = 1
+                    if shape == 1 and model.periodic[k]:  # the next cell is an image of this one
+                        end = rows[i, k] + distance * _component_along(x, y, z, k)
+                        step = 1 if end >= fields.sides[k] else (-1 if end < 0.0 else 0)
                     if step != 0:
                         edge = (_block(fields, i, k) + (1 if step > 0 else 0)) * fields.sides[k]
                         along = (edge - rows[i, k]) / (distance * _component_along(x, y, z, k))

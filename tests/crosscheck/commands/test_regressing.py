@@ -212,7 +212,9 @@ def test_only_what_the_run_covers_is_compared(
     covered: bool,
 ) -> None:
     known = runner.select
-    monkeypatch.setattr(runner, "select", lambda patterns, *more: known([CHECK], *more))  # "old" is no case any more
+    monkeypatch.setattr(
+        runner, "select", lambda patterns, *more, **named: known([CHECK], *more, **named)
+    )  # "old" is no case any more
     accepted(crosscheck, tmp_path, verdict(EULER, green()), verdict(name, green(), engine, tier=tier))
     offers(verdict(EULER, green()))
     done = crosscheck("run", *words, "--baseline", "crosscheck-baseline.txt")

@@ -131,7 +131,7 @@ def test_every_kind_is_drawn(tmp_path, on, what):
         "nothing": gas,
     }[what]()
     result = Result("refimpl", "1", run, observables(scene, run))
-    png, svg = draw_picture(tmp_path, scene, EVENTS, [result, result], {})
+    png, svg = draw_picture(tmp_path, scene, [EVENTS] * 2, [result, result], {})
     assert png.read_bytes()[:4] == b"\x89PNG"
     assert svg.read_text().startswith("<?xml")
 
@@ -149,4 +149,4 @@ def test_a_name_with_dollar_signs_is_drawn(tmp_path, on):
     scene, run = on((4, 2))
     named = scene.changed(name="a $\\foo$ of " + "many words " * 14)
     result = Result("refimpl", "1", run, observables(named, run))
-    assert "$\\foo$" in draw_picture(tmp_path, named, EVENTS, [result], {})[1].read_text()
+    assert "$\\foo$" in draw_picture(tmp_path, named, [EVENTS], [result], {})[1].read_text()

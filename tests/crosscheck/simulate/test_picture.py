@@ -53,7 +53,7 @@ def test_walls_are_drawn(tmp_path, boundaries):
     assert [patch.radius for patch in axes.patches] == [2.5] * (drum is not None)
     assert len(axes.lines) - len(walls) == 2  # the paths of those that move
     result = Result("refimpl", "1", run, observables(scene, run))
-    assert [path.suffix for path in draw_picture(tmp_path, scene, EVENTS, [result], {})] == [".png", ".svg"]
+    assert [path.suffix for path in draw_picture(tmp_path, scene, [EVENTS], [result], {})] == [".png", ".svg"]
 
 
 def fluid(dimension, **lennard_jones):
@@ -94,7 +94,7 @@ def test_a_run_that_lost_its_particles_has_a_picture(tmp_path, dimension):
     run["final_positions"] = np.full_like(run["final_positions"], np.nan)
     run["final_positions"][0] = np.inf
     result = Result("refimpl", "1", run, observables(scene, run))
-    paths = draw_picture(tmp_path, scene, EVENTS, [result], {})
+    paths = draw_picture(tmp_path, scene, [EVENTS], [result], {})
     assert "16 particles outside the picture or not finite" in paths[-1].read_text()
 
 
@@ -113,7 +113,7 @@ def test_names_are_drawn_as_they_are_written(tmp_path):
     scene = disks(name="\u6f22 $\\foo$ <b> _^{")
     run = fall(scene)
     results = [Result(f"$\\bar$ {which}\x1b.py:Class", "1", run, observables(scene, run)) for which in "ab"]
-    draw_picture(tmp_path, scene, EVENTS, results, {"energy": np.ones(run["time"].size)})
+    draw_picture(tmp_path, scene, [EVENTS] * len(results), results, {"energy": np.ones(run["time"].size)})
     texts = (tmp_path / "picture.svg").read_text(encoding="utf-8")
     assert "\u6f22 $\\foo$ &lt;b&gt; _^{: event_driven" in texts
     assert "|$\\bar$ a\\x1b.py:Class - $\\bar$ b\\x1b.py:Class|" in texts

@@ -15,6 +15,7 @@ from crosscheck.engines.refimpl.engine import RefimplEngine
 from crosscheck.engines.refimpl.events import hard_spheres, run_events
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import UsageError
+from crosscheck.references.event_audit import audit
 from crosscheck.scene import (
     Box,
     Cylinder,
@@ -374,3 +375,20 @@ def test_simultaneous_events_of_one_particle_are_told(interpreted: Worker, metho
 
 def test_an_ordinary_run_has_no_remarks(interpreted: Worker) -> None:
     assert not interpreted.run(disks(), EVENTS).remarks
+
+
+def test_fields_of_one_cell_along_a_periodic_axis_have_what_collisions_carry_to_the_next_image(interpreted):
+    scene = disks(
+        duration=4.0,
+        box=Box(lengths=(6.0, 4.0)),
+        initial=Explicit(
+            positions=((1.0, 0.6), (1.2, 3.2), (4.0, 3.3), (4.1, 0.7)),
+            velocities=((0.0, -0.5), (0.0, 0.7), (0.1, 0.6), (0.0, -0.4)),
+        ),
+        output=Output(interval=1.0, trajectory=True, trace=True, observables=("collisions",), fields=(2, 1)),
+    )
+    run = interpreted.run(scene, EVENTS)
+    assert run["collisions"][-1] >= 2
+    found = audit(scene, run)
+    assert found.good, found.where
+    assert np.abs(run["field_flux_momentum"][1]).max() > 0.1

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from crosscheck.simulate.trajectory import Trajectory, write_extxyz
 from truth import Truth, beyond, positions_of
 
 from crosscheck.errors import UsageError
 from crosscheck.trajectories.frames import DOUBLE, Source
 from crosscheck.trajectories.reading import open_results
+from crosscheck.trajectories.trajectory import Trajectory
+from crosscheck.trajectories.writers import extxyz
 
 
 def opened(tmp_path: Path, text: str, name: str = "a.xyz") -> Source:
@@ -83,14 +84,17 @@ def test_what_simulate_writes_comes_back_to_the_last_bit(tmp_path: Path) -> None
     masses, species = rng.uniform(1, 2, 8), np.arange(8) % 2
     written = Trajectory(
         np.array([0, 0.1, 0.30000000000000004]),
+        np.arange(3),
         rng.normal(size=(3, 8, 3)),
+        3,
         np.array([5.0, 6, 0]),
         np.array([True, False, False]),
+        np.zeros((3, 2), dtype=bool),
         masses,
         species,
         more,
     )
-    write_extxyz(tmp_path / "a.extxyz", written)
+    extxyz.write(tmp_path / "a.extxyz", written)
     source = open_results(tmp_path / "a.extxyz")
     assert isinstance(source, Source)
     assert source.times.tolist() == written.time.tolist()
