@@ -178,8 +178,10 @@ def repeat(scene: Path, engine: str, times: int, threads: Sequence[int], asked: 
             raise UsageError("repeat: the scene records no positions of particles: nothing can be compared")
         several = replicas(sources)
         found = _print_replicas(several, sources, mode, asked, None, out)
-    same = "deterministic" if not several.left else "not deterministic"
-    print(f"{engine} is {same} in this scene: {len(several.groups)} different results in {len(sources)} runs")
+    if several.left:
+        print(f"{engine} is not deterministic here: {len(several.groups)} different results in {len(sources)} runs")
+    else:
+        print(f"{engine} is deterministic in this scene: one result in {len(sources)} runs")
     return int(found)
 
 

@@ -198,13 +198,13 @@ def test_repeat_says_whether_an_engine_is_deterministic(
     (tmp_path / "scene.toml").write_text(scene.to_toml())
     status = commands.repeat(tmp_path / "scene.toml", "refimpl", 2, [1, 2], standard(), tmp_path / "out")
     assert status == 0
-    assert "refimpl is deterministic in this scene: 1 different results in 4 runs" in capsys.readouterr().out
+    assert "refimpl is deterministic in this scene: one result in 4 runs" in capsys.readouterr().out
     (tmp_path / "engine.py").write_text(NOISY)
     engine = f"{tmp_path / 'engine.py'}:Noisy"
     status = commands.repeat(tmp_path / "scene.toml", engine, 3, [1], standard(), tmp_path / "noisy")
     assert status == 1
     out = capsys.readouterr().out
-    assert "is not deterministic in this scene: 3 different results in 3 runs" in out
+    assert "is not deterministic here: 3 different results in 3 runs" in out
     assert "left the others at t = 0.1" in out
 
 
