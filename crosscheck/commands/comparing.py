@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from crosscheck.commands.console import wide_console
 from crosscheck.commands.regressing import diff
 from crosscheck.compare.differences import VECTORS
 from crosscheck.compare.growth import EPSILON, Rate
@@ -25,7 +25,7 @@ from crosscheck.directory import locked
 from crosscheck.errors import UsageError
 from crosscheck.files import naming, refuse_no_directory, shown_path
 from crosscheck.record import FILE
-from crosscheck.status import Status
+from crosscheck.status import Status, decisive
 from crosscheck.text import printable
 from crosscheck.trajectories.frames import Series, Source
 from crosscheck.trajectories.reading import open_results, results_in
@@ -155,8 +155,7 @@ def _print_replicas(
         if first:
             _write_all(pair, mode, out)
             first = False
-    order = (Status.FAILED, Status.INCONCLUSIVE, Status.PASSED)
-    return min(statuses, key=order.index)
+    return decisive(*statuses)
 
 
 def repeat(scene: Path, engine: str, times: int, threads: Sequence[int], asked: Standard, out: Path) -> int:
@@ -189,10 +188,7 @@ def repeat(scene: Path, engine: str, times: int, threads: Sequence[int], asked: 
 
 
 def _print(found: Comparison) -> None:
-    print(f"first: {found.first} ({found.formats[0]})\nsecond: {found.second} ({found.formats[1]})")
-    print(f"compared: {found.particles} particles, {len(found.gaps)} common frames, matched by {found.clock}")
-    for text in found.remarks:
-        print(f"remark: {text}")
+    _print_head(found, f"{found.particles} particles, {len(found.gaps)} common frames, matched by {found.clock}")
     _print_findings(found)
 
 
@@ -208,11 +204,15 @@ def _print_findings(found: Comparison) -> None:
 
 
 def _print_table(found: TableComparison) -> None:
+    _print_head(found, f"{found.rows} common rows of {', '.join(found.columns)}")
+    print(found.sentence)
+
+
+def _print_head(found: Comparison | TableComparison, compared: str) -> None:
     print(f"first: {found.first} ({found.formats[0]})\nsecond: {found.second} ({found.formats[1]})")
-    print(f"compared: {found.rows} common rows of {', '.join(found.columns)}")
+    print(f"compared: {compared}")
     for text in found.remarks:
         print(f"remark: {text}")
-    print(found.sentence)
 
 
 def _write_all(found: Comparison, mode: Mode, out: Path) -> None:
@@ -234,10 +234,7 @@ def _bar(what: str) -> Iterator[Any]:
     if not sys.stderr.isatty():
         yield lambda done, total: None
         return
-    console = wide_console()
-    console.stderr = True
-    with Progress(
-        TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), transient=True, console=console
-    ) as progress:
+    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+    with Progress(*columns, transient=True, console=Console(stderr=True)) as progress:
         task = progress.add_task(what)
         yield lambda done, total: progress.update(task, completed=done, total=total)

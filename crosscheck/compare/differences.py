@@ -34,8 +34,9 @@ class Difference(NamedTuple):
 class Gap(NamedTuple):
     """How far two frames are apart.
 
-    time: of the frame. same: all numbers that both hold have the same bits. beyond: the component that is furthest
-    beyond the files' rounding, None: none is. differing: the same of those whose bits differ, None: none. rms: quantity
+    time: of the frame. same: all numbers that both hold have the same bits. beyond: of the components
+    beyond the files' rounding, the one that differs most, None: none is. differing: the same of those whose bits
+    differ, None: none. rms: quantity
     -> root mean square of the distance of a particle from itself. largest: quantity -> the largest such distance.
     farthest: quantity -> id of that particle. floor: quantity -> what rounding makes of `rms` at most. most: quantity
     -> what it makes of `largest` at most. extent: the largest |coordinate|, about the mean. number: of particles in
@@ -224,6 +225,11 @@ def spacing(frame: Frame) -> float:
     if not sides.size:
         return 1.0
     return float(np.prod(sides) / number) ** (1 / sides.size)
+
+
+def flat_axes(positions: Floats) -> NDArray[np.bool_]:
+    """Along which axes no particle is elsewhere than the others, as in the plane, (3,). positions: (N, 3)."""
+    return np.asarray(np.ptp(positions, axis=0) == 0)
 
 
 def _first(

@@ -101,10 +101,10 @@ class Separation(NamedTuple):
 
     times: (K,). values: root mean square distance of a particle from itself, (K,), length. floor: what the files'
     rounding makes of it at most, (K,). velocities, velocity_floor: the same of velocities, length/time; None: they are
-    not in both files. number: of particles. speed: their
-    root mean square speed; None: not known. extent: largest |coordinate|, length. spacing: distance of neighbours,
-    length. step: the time step; None: not known. origin: time at which both runs started. start_velocity: root mean
-    square difference of the velocities at the start, beyond the files' rounding. arithmetic: "double" or "single".
+    not in both files. number: of particles. speed: their root mean square speed; None: not known. extent: largest
+    |coordinate|, length. spacing: distance of neighbours, length. step: the time step; None: not known. origin: time at
+    which both runs started. start_velocity: root mean square difference of the velocities at the start, beyond the
+    files' rounding. arithmetic: "double" or "single".
     """
 
     times: Floats
@@ -140,9 +140,8 @@ def _of_positions(separation: Separation, rate: Rate | None) -> Growth:
     s, floor = separation.values, separation.floor
     if _explained_without_chaos(separation):
         return Growth("rounding")
-    window = _window(separation)
-    own = _rate(separation, window)
-    used = rate or own
+    window = _window(s, floor, separation.spacing)
+    used = rate or _rate(separation.times, s, window)
     if used is None:
         return _without_rate(separation, window)
     dt = separation.step
@@ -153,21 +152,23 @@ def _of_positions(separation: Separation, rate: Rate | None) -> Growth:
     begin = _begin(separation, window)
     elapsed = float(separation.times[begin] - separation.origin)
     excess = math.log(s[begin] / limit) - used.value * elapsed
-    error = None
+    telling = window if rate is None else window[:0]  # frames whose steps tell the rate
+    error: float | None = None
+    span: tuple[int, int] | None = None
     if rate is None:
         error = used.scatter / math.sqrt(separation.times[window[-1]] - separation.times[window[0]])
+        span = (int(window[0]), int(window[-1]))
     spread = math.hypot(used.scatter * math.sqrt(elapsed), (error or 0.0) * elapsed)
     horizon = separation.origin + max(math.log(separation.spacing * _BELOW / limit) / used.value, 0.0)
-    span = (int(window[0]), int(window[-1])) if rate is None else None
     law = Law(used.value, error, limit * math.exp(excess), math.exp(min(spread, 700.0)), limit, span, horizon)
-    jump = _jump(separation, used, window if rate is None else window[:0], LEVEL)
+    jump = _jump(separation, used, telling, LEVEL)
     if jump is not None:
         return Growth("early" if jump.frame == 1 else "jump", law, jump)
     if excess > student_quantile(2 * LEVEL, used.freedom) * spread:
         return Growth("early", law, Parting(begin, limit * math.exp(min(used.value * elapsed, 700.0))))
     half = EPSILON[separation.arithmetic] ** 0.5 * separation.spacing
     told = math.log(half / limit) - excess > _CERTAIN * spread
-    if excess > 0 or not told or _jump(separation, used, window if rate is None else window[:0], _OPEN):
+    if excess > 0 or not told or _jump(separation, used, telling, _OPEN):
         return Growth("unclear", law)
     return Growth("chaos", law)
 
@@ -189,9 +190,13 @@ def _velocities_apart(separation: Separation) -> Parting | None:
     return Parting(int(wrong[0]), float(most[wrong[0]])) if wrong.size else None
 
 
-def measured_rate(separation: Separation) -> Rate | None:
-    """The rate of growth of a separation of two runs of one system; None if it shows none."""
-    return _rate(separation, _window(separation))
+def measured_rate(times: Floats, values: Floats, floor: float, spacing: float) -> Rate | None:
+    """The rate of growth of a separation of two runs of one system; None if it shows none.
+
+    times: (K,). values: the separation, (K,), length. floor: above twice this, length, it counts. spacing: distance of
+    neighbours, length.
+    """
+    return _rate(times, values, _window(values, np.full(len(values), floor), spacing))
 
 
 def chaos_line(separation: Separation, found: Growth) -> Floats | None:
@@ -218,12 +223,11 @@ def _regular(separation: Separation) -> Floats:
     return np.asarray(EPSILON[separation.arithmetic] * separation.extent * (times / separation.step) ** 1.5)
 
 
-def _window(separation: Separation) -> Integers:
+def _window(s: Floats, floor: Floats, spacing: float) -> Integers:
     """Numbers of the frames between the rounding of the files and the distance of neighbours, before it is reached."""
-    s = separation.values
-    large = np.flatnonzero(s > _BELOW * separation.spacing)
+    large = np.flatnonzero(s > _BELOW * spacing)
     end = int(large[0]) if large.size else len(s)
-    return np.flatnonzero((s[:end] > _ABOVE * separation.floor[:end]) & (s[:end] > 0))
+    return np.flatnonzero((s[:end] > _ABOVE * floor[:end]) & (s[:end] > 0))
 
 
 def _begin(separation: Separation, window: Integers) -> int:
@@ -234,18 +238,18 @@ def _begin(separation: Separation, window: Integers) -> int:
     return int(shown[0]) if len(shown) else int(np.argmax(separation.values))
 
 
-def _rate(separation: Separation, window: Integers) -> Rate | None:
+def _rate(times: Floats, values: Floats, window: Integers) -> Rate | None:
     """lambda, from the mean of the increments of ln s in the frames of the window, whose scatter is that of a walk.
 
     None if too few frames show it, or it does not grow.
     """
     if len(window) <= _FEWEST:
         return None
-    logs, times = np.log(separation.values[window]), separation.times[window]
-    total, duration = float(logs[-1] - logs[0]), float(times[-1] - times[0])
+    logs, shown = np.log(values[window]), times[window]
+    total, duration = float(logs[-1] - logs[0]), float(shown[-1] - shown[0])
     if duration <= 0 or total < _LEAST_GROWTH:
         return None
-    return _walk(np.diff(logs), np.diff(times))
+    return _walk(np.diff(logs), np.diff(shown))
 
 
 def _walk(steps: Floats, spans: Floats) -> Rate:

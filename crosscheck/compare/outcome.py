@@ -6,7 +6,7 @@ import math
 from typing import Literal, NamedTuple, get_args
 
 from crosscheck.compare.differences import VECTORS, Difference, Gap
-from crosscheck.compare.growth import Growth, Law
+from crosscheck.compare.growth import Growth, Law, Parting
 from crosscheck.compare.pairing import Clock
 from crosscheck.compare.samples import Tested, different
 from crosscheck.status import Status
@@ -60,7 +60,7 @@ class Evidence(NamedTuple):
     """What was found out about two trajectories.
 
     setup: see `different_setup`. gaps: of all pairs of frames. growth: None if nothing is beyond the rounding of the
-    files. tested: statistics, of the frames after `begin`, a time; None: not looked at. start: whether the first frame
+    files. tested: statistics; None: not looked at. start: whether the first frame
     is further apart than a disturbance may be. neighbours: ids of the nearest neighbours of the particle that is
     farthest apart where the dynamics part. steps: of the frames, or None. lost: number of the first frame with
     particles that the other has not. broken: number of the first frame with a number that is not finite. clock:
@@ -71,7 +71,6 @@ class Evidence(NamedTuple):
     gaps: list[Gap]
     growth: Growth | None
     tested: list[Tested] | None
-    begin: float | None
     start: bool
     neighbours: list[int]
     steps: list[int] | None
@@ -134,38 +133,38 @@ def _dynamics(found: Evidence) -> tuple[Class, str]:
             f"factor of {law.factor:.2g}), and rounding explains up to {law.limit:.1e};{_disturbed(gaps[0])} beyond "
             f"{_CLOCKS[found.clock]} {law.horizon:.4g} single particles need not agree.",
         )
-    if growth.kind == "momentum" and parting is not None:
-        gap = gaps[parting.frame]
-        assert gap.momentum is not None
-        return (
-            "different_dynamics",
-            f"different dynamics: at {_when(found, parting.frame)}, one run has not kept its total momentum, the other"
-            f" has: they are {math.dist(*gap.momentum):.2e} apart, where rounding explains {parting.expected:.1e}; the"
-            f" velocity of particle {gap.farthest['velocities']} differs most.",
-        )
-    if growth.kind == "velocities" and parting is not None:
-        gap = gaps[parting.frame]
-        return (
-            "different_dynamics",
-            f"different dynamics: at {_when(found, parting.frame)}, velocities are {gap.rms['velocities']:.2e} apart "
-            f"(root mean square; particle {gap.farthest['velocities']} most), where positions, which are "
-            f"{gap.rms['positions']:.2e} apart, explain {parting.expected:.1e}.",
-        )
     if parting is not None:
-        gap = gaps[parting.frame]
-        how = "too early" if growth.kind == "early" else "a jump"
-        near = f"; its nearest neighbours are {', '.join(map(str, found.neighbours))}" if found.neighbours else ""
-        return (
-            "different_dynamics",
-            f"different dynamics, {how}: at {_when(found, parting.frame)}, particle {gap.farthest['positions']} is "
-            f"{gap.largest['positions']:.2e} away from itself (root mean square of all: {gap.rms['positions']:.2e}), "
-            f"where rounding{' and chaos explain' if law else ' explains'} {parting.expected:.1e}{near}.",
-        )
+        return "different_dynamics", f"different dynamics{_parting(found, growth, parting)}"
     return (
         "inconclusive",
         "inconclusive: too few frames show how the separation grows, between the rounding of the files and the distance"
         " of neighbours; write more frames at the start, with more digits, or give the scene (--scene), whose rate is"
         " then measured.",
+    )
+
+
+def _parting(found: Evidence, growth: Growth, parting: Parting) -> str:
+    """The rest of the sentence on runs that part: when, which particle, by how much, and what would be explained."""
+    gap, when, explained = found.gaps[parting.frame], _when(found, parting.frame), f"{parting.expected:.1e}"
+    if growth.kind == "momentum":
+        assert gap.momentum is not None
+        return (
+            f": at {when}, one run has not kept its total momentum, the other has: they are "
+            f"{math.dist(*gap.momentum):.2e} apart, where rounding explains {explained}; the velocity of particle "
+            f"{gap.farthest['velocities']} differs most."
+        )
+    if growth.kind == "velocities":
+        return (
+            f": at {when}, velocities are {gap.rms['velocities']:.2e} apart (root mean square; particle "
+            f"{gap.farthest['velocities']} most), where positions, which are {gap.rms['positions']:.2e} apart, explain "
+            f"{explained}."
+        )
+    how = "too early" if growth.kind == "early" else "a jump"
+    by = "and chaos explain" if growth.law else "explains"
+    near = f"; its nearest neighbours are {', '.join(map(str, found.neighbours))}" if found.neighbours else ""
+    return (
+        f", {how}: at {when}, particle {gap.farthest['positions']} is {gap.largest['positions']:.2e} away from itself "
+        f"(root mean square of all: {gap.rms['positions']:.2e}), where rounding {by} {explained}{near}."
     )
 
 

@@ -15,9 +15,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crosscheck.compare.differences import converted, nearest_image, spacing
+from crosscheck.compare.differences import converted, flat_axes, nearest_image, spacing
 from crosscheck.compare.pairing import Pairing
 from crosscheck.statistics import Mean, correlated_mean, seen_beyond, student_probability, student_quantile
 from crosscheck.trajectories.frames import Floats, Frame, Source
@@ -35,6 +34,8 @@ _LAGS = (1, 4, 16)
 _SHELLS, _REACH, _PAIRS, _CHOSEN = 12, 3.0, 2e5, 10
 #: A distance below this share of the largest is that of a particle from itself, with 32 bits of a coordinate.
 _NOT_ITSELF = 1e-5
+#: Fewest frames, or rows, whose statistics are looked at.
+FEWEST = 24
 #: Share of the run at its start that is left out: what both runs have of their common start.
 START = 0.2
 
@@ -180,14 +181,9 @@ def shell_edges(frame: Frame) -> Floats:
     """
     largest = _REACH * spacing(frame)
     if frame.box is not None:
-        sides = np.linalg.norm(frame.box.vectors, axis=1)[frame.box.periodic & ~_flat(frame)]
+        sides = np.linalg.norm(frame.box.vectors, axis=1)[frame.box.periodic & ~flat_axes(frame.positions)]
         largest = min(largest, *(float(side) / 2 for side in sides)) if sides.size else largest
     return np.linspace(0.0, largest, _SHELLS + 1)
-
-
-def _flat(frame: Frame) -> NDArray[np.bool_]:
-    """Along which axes no particle is elsewhere than the others, as in the plane."""
-    return np.asarray(np.ptp(frame.positions, axis=0) == 0)
 
 
 def _shells(frame: Frame, edges: Floats) -> Iterator[tuple[str, float]]:
@@ -201,7 +197,7 @@ def _shells(frame: Frame, edges: Floats) -> Iterator[tuple[str, float]]:
     dimensions, lower = None, np.zeros(3)
     if frame.box is not None and frame.box.periodic.any():
         # beyond an axis that is not periodic there is nothing, as far as the shells reach
-        alone = ~frame.box.periodic | _flat(frame)
+        alone = ~frame.box.periodic | flat_axes(frame.positions)
         room = np.ptp(frame.positions, axis=0) + 3 * largest
         vectors = np.where(alone[:, None], np.diag(room), frame.box.vectors)
         dimensions = triclinic_box(*vectors)

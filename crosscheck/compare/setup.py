@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.compare.differences import common_rows
-from crosscheck.trajectories.frames import SINGLE, Floats, Frame, Rounding
+from crosscheck.compare.differences import common_rows, flat_axes
+from crosscheck.trajectories.frames import SINGLE, Frame, Rounding
 
 #: Edges of a box that were kept as 32 bits, or computed from its bounds, agree to this, relative.
 _EDGES = 4 * SINGLE.relative
@@ -49,16 +49,13 @@ def different_setup(first: Frame, second: Frame, roundings: dict[str, tuple[Roun
             sum(one.of(box) for one, box in zip(roundings["box"], edges, strict=True)) + _EDGES * np.abs(edges[0]).max()
         )
         # a plane has no edge across in one file, and a thin one in another
-        both = np.logical_and(*(np.abs(one).sum(axis=1) > 0 for one in edges)) & ~_flat(first.positions)
+        both = np.logical_and(*(np.abs(one).sum(axis=1) > 0 for one in edges))
+        if len(first.positions) > 1:
+            both &= ~flat_axes(first.positions)
         if (np.abs(edges[0] - edges[1]) > allowed)[both].any():
             sides = [" x ".join(f"{side:.8g}" for side in np.linalg.norm(one, axis=1)) for one in edges]
             found.append(f"the edges of the box are {sides[0]} against {sides[1]}")
     return found
-
-
-def _flat(positions: Floats) -> NDArray[np.bool_]:
-    """Along which axes all particles are at one place, as in the plane."""
-    return np.asarray(np.ptp(positions, axis=0) == 0) if len(positions) > 1 else np.zeros(3, dtype=bool)
 
 
 def _types(ids: NDArray[np.int64], mine: NDArray[Any], yours: NDArray[Any]) -> list[str]:

@@ -9,13 +9,10 @@ import numpy as np
 
 from crosscheck.compare.outcome import Class, statistics_sentence
 from crosscheck.compare.pairing import matched_rows
-from crosscheck.compare.samples import START, Tested, compare_series
+from crosscheck.compare.samples import FEWEST, START, Tested, compare_series
 from crosscheck.errors import UsageError
 from crosscheck.files import shown_path
 from crosscheck.trajectories.frames import Series
-
-#: Fewest rows whose statistics are looked at.
-_SAMPLES = 24
 
 
 class Cell(NamedTuple):
@@ -79,7 +76,7 @@ def compare_tables(one: Series, other: Series) -> TableComparison:
                 beyond = cell
     tested = None
     begin = int(np.ceil(START * len(mine)))
-    if beyond is not None and len(mine) - begin >= _SAMPLES:
+    if beyond is not None and len(mine) - begin >= FEWEST:
         tested = compare_series(
             {name: one.columns[name][mine[begin:]] for name in columns},
             {name: other.columns[name][yours[begin:]] for name in columns},

@@ -13,15 +13,13 @@ from crosscheck.compare.growth import Growth, Rate, Separation, chaos_line, grow
 from crosscheck.compare.momentum import momentum_parting
 from crosscheck.compare.outcome import Class, Evidence, Mode, classify
 from crosscheck.compare.pairing import Pairing, pair
-from crosscheck.compare.samples import START, Tested, compare_samples
+from crosscheck.compare.samples import FEWEST, START, Tested, compare_samples
 from crosscheck.compare.setup import different_setup
 from crosscheck.trajectories.frames import DOUBLE, Floats, Frame, Source
 
 #: A start that differs by no more than this, in distances of neighbours, is one that was disturbed or rounded: the
 #: separation then grows as small ones do over half the digits of a double.
 _DISTURBANCE = DOUBLE.relative**0.5
-#: Fewest frames whose statistics are looked at.
-_SAMPLES = 24
 #: Neighbours that are named, and particles that are drawn.
 _NAMED, _DRAWN = 3, 40
 
@@ -115,11 +113,11 @@ def compare_trajectories(
         moved = momentum_parting(found, steps, arithmetic)
         if moved is not None:
             grown = grown._replace(kind="momentum", parting=moved)
-    tested = begin = None
+    tested = None
     if mode == "statistics" or (mode == "chaos" and parts):
         # of other starts, as of seeds, statistics alone can be the same
         begin = START if mode == "statistics" else _begin(separation, grown)
-        if not all(within) and not setup and broken is None and (1 - begin) * total >= _SAMPLES:
+        if not all(within) and not setup and broken is None and (1 - begin) * total >= FEWEST:
             tested = compare_samples(one, other, pairing, begin)
     place = None
     if grown is not None and grown.parting is not None:
@@ -128,7 +126,7 @@ def compare_trajectories(
         found = [gap._replace(beyond=None) if near else gap for gap, near in zip(found, within, strict=True)]
     near = [] if place is None else place.ids[1 : 1 + _NAMED]
     classed, sentence = classify(
-        Evidence(setup, found, grown, tested, begin, start, near, steps, lost, broken, pairing.clock), mode
+        Evidence(setup, found, grown, tested, start, near, steps, lost, broken, pairing.clock), mode
     )
     return Comparison(
         str(one.path),
@@ -153,9 +151,7 @@ def compare_trajectories(
 
 
 def _close(gap: Gap, tolerance: float) -> bool:
-    return all(value <= tolerance for name, value in gap.largest.items() if name == "positions") and not any(
-        gap.missing
-    )
+    return gap.largest.get("positions", 0.0) <= tolerance and not any(gap.missing)
 
 
 def _separation(

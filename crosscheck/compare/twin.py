@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.compare.differences import spacing
-from crosscheck.compare.growth import Rate, Separation, measured_rate
+from crosscheck.compare.growth import Rate, measured_rate
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import UsageError
 from crosscheck.scene import Scene
@@ -24,9 +24,9 @@ _SAMPLES, _NUMBERS = 400, 3e7
 def twin_rate(scene: Scene, engine: str, time_limit: float) -> Rate:
     """Growth rate of separations of a scene.
 
-    Every velocity of the twin is disturbed by normal noise of 1e-9 of their root mean square, with the scene's seed; of
-    a start at rest every position. scene: with its method. engine: its name. time_limit: seconds that each of the two
-    runs may take.
+    Every velocity of the twin is disturbed by normal noise of 1e-9 of their root mean square, the same in every call;
+    of a start at rest every position. scene: with its method. engine: its name. time_limit: seconds that each of the
+    two runs may take.
 
     UsageError if the scene has no method or no particles that are told apart, or if separations do not grow in it.
     """
@@ -61,22 +61,7 @@ def twin_rate(scene: Scene, engine: str, time_limit: float) -> Rate:
     apart = runs[1]["positions"][:number] - runs[0]["positions"][:number]
     values = np.sqrt(np.mean(np.sum(apart**2, axis=2), axis=1))
     first = values[np.flatnonzero(values)[0]] if values.any() else 0.0
-    floor = np.full(number, _SETTLED * first)
-    times = runs[0]["time"][:number]
-    separation = Separation(
-        times=times,
-        values=values,
-        floor=floor,
-        velocities=None,
-        velocity_floor=None,
-        number=len(state.positions),
-        speed=None,
-        extent=0.0,
-        spacing=near,
-        step=dt,
-        origin=float(times[0]),
-    )
-    found = measured_rate(separation)
+    found = measured_rate(runs[0]["time"][:number], values, _SETTLED * first, near)
     if found is None:
         raise UsageError(
             f"--scene: two runs of scene {scene.name} with {engine}, one disturbed, do not part as chaos does: its "

@@ -172,7 +172,8 @@ def test_a_particle_at_the_origin_has_no_rounding() -> None:
 
 
 def test_the_rate_alone() -> None:
-    found = measured_rate(separation(chaotic(1e-16, 3.0)))
+    shown = separation(chaotic(1e-16, 3.0)).values
+    found = measured_rate(TIMES, shown, 1e-15, SPACING)
     assert found is not None
     assert found.value == pytest.approx(3.0)
-    assert measured_rate(separation(np.full(len(TIMES), 1e-9))) is None
+    assert measured_rate(TIMES, np.full(len(TIMES), 1e-9), 1e-15, SPACING) is None

@@ -15,7 +15,7 @@ from crosscheck.trajectories.memory import InMemory, in_memory
 SIDE, NUMBER, FRAMES = 10.0, 200, 120
 
 
-def gas(seed: int, temperature: float = 1.0, *, axis: float = 1.0, hot: float = 1.0, spin: float = 0.0) -> InMemory:
+def gas(seed: int, temperature: float = 1.0, *, axis: float = 1.0, hot: float = 1.0) -> InMemory:
     """Free particles whose velocities are drawn anew now and then, as by a thermostat."""
     rng = np.random.default_rng(seed)
     positions = np.empty((FRAMES, NUMBER, 3))
