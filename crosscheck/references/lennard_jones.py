@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crosscheck.scene import Floats, Scene
+from crosscheck.scene import Floats, LennardJones, Scene
 
 
 class PairSum(NamedTuple):
@@ -111,6 +111,41 @@ def _potential(r: Floats, epsilon: Floats, sigma: Floats) -> tuple[Floats, Float
     """phi and d phi/dr."""
     s6 = (sigma / r) ** 6
     return 4 * epsilon * (s6 * s6 - s6), -24 * epsilon * (2 * s6 * s6 - s6) / r
+
+
+def at_cutoff(lj: LennardJones) -> tuple[float, float]:
+    """Largest |phi| and |phi'| at the cutoff, among the pairs of species, before any shift.
+
+    By the definition of the potential, with Lorentz and Berthelot's rules for mixtures (Allen and Tildesley 1987).
+
+    lj: of a scene, whose units the result has: energy, and energy/length.
+    """
+    epsilons, sigmas = np.broadcast_arrays(np.atleast_1d(lj.epsilon), np.atleast_1d(lj.length))
+    if lj.length_form == "r_m":
+        sigmas = sigmas / 2 ** (1 / 6)
+    epsilon, sigma = np.sqrt(np.outer(epsilons, epsilons)), 0.5 * np.add.outer(sigmas, sigmas)
+    energy, slope = _potential(np.full_like(epsilon, lj.cutoff), epsilon, sigma)
+    return float(np.abs(energy).max()), float(np.abs(slope).max())
+
+
+def energy_of_the_cut(scene: Scene, positions: Floats) -> float:
+    """Sum of phi_ij(r_c) over the pairs and images within the cutoff: by which "truncated" is above "shifted".
+
+    By definition (Allen and Tildesley 1987), with Lorentz and Berthelot's rules for mixtures. In the scene's own units.
+
+    scene: of [lennard_jones]; its truncation does not count. positions: (N, d), length.
+    """
+    lj = scene.lennard_jones
+    assert lj is not None
+    i, j, _ = _directed_pairs(positions, scene.periods(), lj.cutoff)
+    epsilons, sigmas = np.broadcast_arrays(np.atleast_1d(lj.epsilon), np.atleast_1d(lj.length))
+    if lj.length_form == "r_m":
+        sigmas = sigmas / 2 ** (1 / 6)
+    several = epsilons.size > 1 and scene.species is not None
+    kind: Floats = np.array(scene.species) if several else np.zeros(len(positions), dtype=int)
+    epsilon, sigma = np.sqrt(np.outer(epsilons, epsilons)), 0.5 * np.add.outer(sigmas, sigmas)
+    energy, _ = _potential(np.full_like(epsilon, lj.cutoff), epsilon, sigma)
+    return 0.5 * float(energy[kind[i], kind[j]].sum())
 
 
 def _walls(scene: Scene, x: Floats) -> tuple[float, Floats]:

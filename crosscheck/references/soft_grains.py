@@ -495,7 +495,7 @@ def audit(
     found.compare("velocities", v[0], _padded(state.velocities), 0.0, 0)
     if state.angular_velocities is not None:
         found.compare("angular_velocities", w[0], _spins({"w": state.angular_velocities}, "w", r[0].shape), 0.0, 0)
-    size = float(max(abs(r).max(), *(() if state.lengths is None else state.lengths)))
+    size = float(max([abs(r).max(), *(() if state.lengths is None else state.lengths)]))
     speed = _largest_speed(scene, v, w, contacts)
     by_place, by_speed = contacts.steepest
     light, small = float(contacts.masses.min()), float(contacts.inertias.min() / contacts.masses.min()) ** 0.5

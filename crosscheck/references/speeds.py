@@ -10,7 +10,7 @@ Molecular Gas Dynamics and the Direct Simulation of Gas Flows (1994).
 from __future__ import annotations
 
 from math import gamma, inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,6 +67,20 @@ def moment_ratio(dimension: int, freedoms: float = inf) -> float:
     """
     demand_dimension(dimension)
     return (1 + 2 / dimension) * (1.0 if freedoms == inf else freedoms / (freedoms + 2))
+
+
+def share_distribution(dimension: int, freedoms: float) -> Any:
+    """Distribution of m v^2/2K of one particle at constant energy K: beta with the parameters d/2 and (f - d)/2.
+
+    The scaled velocities are uniform on a sphere in f dimensions, of which the particle has d. Exact; for f to infinity
+    f m v^2/2K has the gamma distribution of Maxwell's speeds.
+
+    dimension: d, 1 or more. freedoms: f, more than d, the velocity components that are free. Gives a frozen
+    distribution of scipy.stats.
+    """
+    from scipy.stats import beta
+
+    return beta(dimension / 2, (freedoms - dimension) / 2)
 
 
 def moment_ratio_fluctuation(number: int, dimension: int) -> float:

@@ -13,6 +13,8 @@ from scipy.integrate import quad
 
 from crosscheck.references.lennard_jones import (
     PairSum,
+    at_cutoff,
+    energy_of_the_cut,
     equation_of_state,
     open_cluster,
     pair_sum,
@@ -339,3 +341,19 @@ def test_open_cluster_keeps_a_pair_on_its_circle() -> None:
     quarter, half = open_cluster(x, v, times)
     assert quarter[1] == pytest.approx([0.0, r / 2], abs=1e-9)
     assert half == pytest.approx(-x, abs=1e-9)
+
+
+@pytest.mark.parametrize("mixture", [False, True])
+@pytest.mark.parametrize("length_form", ["sigma", "r_m"])
+def test_the_energy_of_the_cut_is_what_a_shift_takes(mixture: bool, length_form: str) -> None:
+    positions = scattered(3, 8)
+    truncated, shifted = (
+        scene_of(positions, mixture=mixture, length_form=length_form, truncation=one)
+        for one in ("truncated", "shifted")
+    )
+    taken = pair_sum(truncated).energy - pair_sum(shifted).energy
+    assert energy_of_the_cut(truncated, positions) == pytest.approx(taken, rel=1e-9)
+    assert taken < 0
+    sigma = 1.0 if length_form == "sigma" else 2 ** (-1 / 6)
+    phi, slope = (abs(one) for one in potential(CUTOFF, 1.0, sigma))
+    assert at_cutoff(truncated.lennard_jones) == pytest.approx((phi, slope), rel=1e-12)  # that of the largest species

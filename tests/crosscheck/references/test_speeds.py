@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from scipy.stats import kstest
 
 from crosscheck.references import hard_spheres as hs
 from crosscheck.references import speeds
@@ -119,3 +120,18 @@ def test_relaxation_of_one_run(dimension: int) -> None:
     assert speeds.mono_speed_moment_ratio(1.0, 400, 2).uncertainty == pytest.approx(0.1, rel=1e-4)
     with pytest.raises(ValueError, match=r"no value after 0\.7"):
         speeds.mono_speed_moment_ratio(0.7, 400, dimension)
+
+
+@both
+def test_the_share_of_a_particle_is_that_of_few_components_of_a_point_on_a_sphere(dimension: int) -> None:
+    freedoms, rng = 12, np.random.default_rng(5)
+    x = rng.standard_normal((20000, freedoms)) ** 2
+    share = x[:, :dimension].sum(axis=1) / x.sum(axis=1)
+    law = speeds.share_distribution(dimension, freedoms)
+    mean_within(share, law.mean())
+    mean_within(share**2, law.moment(2))
+    assert kstest(share, law.cdf).pvalue > 1e-3
+    # its moments are those of the speeds, and of many particles its law is Maxwell's
+    assert law.moment(2) / law.mean() ** 2 == pytest.approx(speeds.moment_ratio(dimension, freedoms), rel=1e-12)
+    many = speeds.share_distribution(dimension, 1e9)
+    assert many.cdf(1.7 / 1e9) == pytest.approx(float(speeds.maxwell_cumulative(1.7**0.5, dimension)), rel=1e-6)
