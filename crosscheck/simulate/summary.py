@@ -9,25 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.engines.capabilities import words
 from crosscheck.engines.protocol import Run
 from crosscheck.scene import Floats, Method, Scene
+from crosscheck.simulate.conserved import changes_energy, takes_momentum
 from crosscheck.simulate.observables import Result, method_label
 
-#: Words of scenes and contacts under which the energy is conserved; any other is a reason why it may not be.
-_CONSERVE_ENERGY = """
-    dimension=1 dimension=2 dimension=3 masses[] masses=0 acceleration gravity.G gravity.softening
-    lennard_jones.epsilon lennard_jones.epsilon[] lennard_jones.length lennard_jones.length[]
-    lennard_jones.length_form=sigma lennard_jones.length_form=r_m lennard_jones.truncation=truncated
-    lennard_jones.truncation=shifted lennard_jones.truncation=force_shifted lennard_jones.tail_corrections
-    hard_spheres.diameter hard_spheres.diameter[] hard_spheres.fixed hard_spheres.well
-    box.boundaries=periodic box.boundaries=open box.boundaries=hard box.boundaries=wall box.wall box.wall.epsilon
-    box.wall.sigma box.faces box.faces.open box.cylinder box.cylinder.axis=x box.cylinder.axis=y box.cylinder.axis=z
-    output.fields output.collisions method.contact method.contact.law=hooke method.contact.law=hertz
-    method.contact.stiffness method.contact.duration method.contact.friction=history method.contact.friction=dashpot
-    """
-#: Words under which the particles exchange momentum with something else.
-_TAKE_MOMENTUM = "acceleration hard_spheres.fixed box.boundaries=hard box.boundaries=wall box.wall box.cylinder"
 #: Differences of two runs whose first time is reported.
 LEVELS = (1e-8, 1e-4, 1.0)
 
@@ -145,7 +131,7 @@ def _energy(scene: Scene, method: Method, result: Result) -> str:
         total = table.get("kinetic_energy")
     if total is None:
         return "not recorded"
-    reasons = sorted(words(scene, method).difference(_CONSERVE_ENERGY.split()))
+    reasons = changes_energy(scene, method)
     if not reasons:
         return f"drift {_drift(total):.1e}"
     finite = total[np.isfinite(total)]
@@ -180,7 +166,7 @@ def _momentum(scene: Scene, run: Run) -> str:
     scale = float((masses * np.linalg.norm(before, axis=1)).sum())
     scale = scale or float((masses * np.linalg.norm(after, axis=1)).sum()) or 1.0
     change = float(np.linalg.norm(masses @ (after - before))) / scale
-    reasons = sorted(words(scene).intersection(_TAKE_MOMENTUM.split())) + ["spring"] * (scene.spring is not None)
+    reasons = takes_momentum(scene)
     return f"{change:.1e}" + (f" ({reasons[0]})" if reasons else "")
 
 
@@ -199,10 +185,10 @@ def compare(scene: Scene, results: Sequence[Result]) -> list[Difference]:
         names, time = (one.engine, other.engine), one.run["time"]
         apart = distances(one.run, other.run)
         if apart is not None:
-            length, unit = _length(scene)
+            length, unit = length_unit(scene)
             found.append(_difference(names, "position", unit, time, apart / length))
         elif "final_positions" in one.run and "final_positions" in other.run:
-            length, unit = _length(scene)
+            length, unit = length_unit(scene)
             final = np.linalg.norm(one.run["final_positions"] - other.run["final_positions"], axis=1).max(keepdims=True)
             found.append(_difference(names, "position at the end", unit, np.array([scene.duration]), final / length))
         energy = next((e for e in ("total_energy", "kinetic_energy") if e in one.table and e in other.table), None)
@@ -234,8 +220,8 @@ def _difference(names: tuple[str, str], what: str, unit: str, time: Floats, valu
     return Difference(names, what, unit, largest, passed, float(time[finite].max()) if finite.any() else float("nan"))
 
 
-def _length(scene: Scene) -> tuple[float, str]:
-    """The length to which differences of positions are relative, and its name."""
+def length_unit(scene: Scene) -> tuple[float, str]:
+    """The length to which differences of positions of a `scene` are relative, and its name."""
     diameters = scene.diameters()
     if diameters is not None and diameters.max() > 0:
         return float(diameters.max()), "largest diameter"
