@@ -7,6 +7,7 @@ Commun. 156, 143 (2004) (autocorrelation times and their bias).
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any, NamedTuple
@@ -257,7 +258,11 @@ def seen_beyond(quantile: float, freedom: float, probability: float) -> float:
     from scipy.stats import nct
 
     freedom = max(freedom, 1.0)
-    return float(brentq(lambda true: nct.sf(quantile, freedom, true) - probability, 0.0, 4 * quantile + 10, xtol=1e-6))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # series of nct that end early, far from the root
+        return float(
+            brentq(lambda true: nct.sf(quantile, freedom, true) - probability, 0.0, 4 * quantile + 10, xtol=1e-6)
+        )
 
 
 class Slope(NamedTuple):

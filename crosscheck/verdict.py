@@ -7,6 +7,7 @@ order       the same, for the fitted slope of log error against log step;
 statistical |measured - expected| <= t u + doubt, with u the standard error of correlated data, t the two-sided quantile
             of Student's distribution for the rate `SUSPICIOUS`, and a doubt that is not random; a series that drifts is
             red. What is red so is measured again with other random numbers, and is red if it is so again: see `again`;
+            what cannot be measured again has a level of its own;
 bound       measured <= limit (or >=);
 expected_failure  a deviation that the check must find: measured >= limit.
 """
@@ -349,6 +350,7 @@ def statistical(
     samples: float | Mean | Sequence[Mean],
     doubt: float = 0.0,
     needed: float | None = None,
+    once: float | None = None,
     note: str = "",
     figures: tuple[Figure, ...] = (),
 ) -> Judgement:
@@ -363,8 +365,10 @@ def statistical(
     on what is systematically wrong with what is expected or measured (a theory of lowest order, a finite grid), in that
     unit; it is not a standard error, and is added to t u once. A series that drifts is red, whatever its mean. Where
     the error itself is too uncertain (`LEAST_FREEDOM`, `LEAST_SAMPLES`), "inconclusive" takes the place of "pass".
-    needed: the relative deviation that the check must be able to detect; where its sensitivity is less, the same. note,
-    figures: see `Judgement`. ValueError for a doubt that is negative or not finite.
+    needed: the relative deviation that the check must be able to detect; where its sensitivity is less, the same. once:
+    the probability that it is red although all is right, of data that cannot be measured again, mean and drift
+    together; None: it is `SUSPICIOUS`, and what is red is measured again. note, figures: see `Judgement`. ValueError
+    for a doubt that is negative or not finite.
     """
     if not 0 <= doubt < math.inf:
         raise ValueError(f"the doubt of '{quantity}' must be a number that is not negative, got {doubt}")
@@ -381,14 +385,19 @@ def statistical(
     u = math.hypot(uncertainty, expected_uncertainty)
     if means:
         freedom = max(freedom, _freedom((uncertainty, expected_uncertainty), means))
-    quantile = student_quantile(SUSPICIOUS, freedom)
+    trends = [mean.trend for mean in means if mean.trend]
+    level, drifting = SUSPICIOUS, DRIFTING
+    if once is not None:
+        drifting = once * DRIFTING / (SUSPICIOUS + DRIFTING) if trends else 0.0
+        level = once - drifting
+    quantile = student_quantile(level, freedom)
     if means:
         quantile = min(quantile, LARGEST_IN_SPREADS * math.sqrt(number))
     tolerance = quantile * u + doubt
     off = abs(measured - expected)
     known = math.isfinite(u) and math.isfinite(off)
     sigmas = (off / u if u > 0 else 0.0 if off == 0 else math.inf) if known else math.inf
-    sensitivity = _relative(seen_beyond(quantile, freedom, SEEN**0.5) * u + doubt, expected)
+    sensitivity = _relative(seen_beyond(quantile, freedom, SEEN if once else SEEN**0.5) * u + doubt, expected)
     outcome: Outcome = "pass" if known and off <= tolerance else "fail"
     if outcome == "pass" and (few or (needed is not None and sensitivity > needed)):
         outcome = "inconclusive"
@@ -396,10 +405,9 @@ def statistical(
         outcome = "inconclusive"
     deviation = off / tolerance if known and tolerance > 0 else 0.0 if off == 0 else math.inf
     p_value = student_probability(max(off - doubt, 0.0) / u, freedom) if known and u > 0 else float(known and off == 0)
-    level, trends = SUSPICIOUS, [mean.trend for mean in means if mean.trend]
     if trends:
-        level += DRIFTING
-        limits = [student_quantile(DRIFTING / len(trends), trend.freedom) for trend in trends]
+        level += drifting
+        limits = [student_quantile(drifting / len(trends), trend.freedom) for trend in trends]
         share, trend, limit = max(
             (trend.sigmas / limit, trend, limit) for trend, limit in zip(trends, limits, strict=True)
         )
@@ -407,7 +415,8 @@ def statistical(
             outcome, deviation = "fail", max(deviation, share)
             note = "; ".join(filter(None, (_drift(trend, limit), note)))
     beyond = f"{quantile:.2f} sigma" + (f" and the doubt {doubt:.3g}" if doubt else "")
-    reason = f"{why}; red beyond {beyond}, twice: false-alarm rate {level**2:.2g}"
+    rate = level**2 if once is None else once
+    reason = f"{why}; red beyond {beyond}{', twice' if once is None else ''}: false-alarm rate {rate:.2g}"
     return Judgement(
         outcome,
         quantity,
@@ -422,7 +431,7 @@ def statistical(
         freedom=freedom,
         doubt=doubt,
         p_value=p_value,
-        false_alarm=level**2,
+        false_alarm=rate,
         note=note,
         figures=figures,
     )
@@ -441,17 +450,26 @@ def _freedom(errors: tuple[float, float], means: Sequence[Mean]) -> float:
 
 
 def by_chance(
-    quantity: str, statistic: float, law: Any, why: str, *, note: str = "", figures: tuple[Figure, ...] = ()
+    quantity: str,
+    statistic: float,
+    law: Any,
+    why: str,
+    *,
+    once: float | None = None,
+    note: str = "",
+    figures: tuple[Figure, ...] = (),
 ) -> Judgement:
     """The judgement that a test statistic (Kolmogorov-Smirnov, chi^2) is no larger than chance explains; NaN fails.
 
     quantity: name of the statistic, and what it compares. statistic: it. law: its distribution if the code is right,
     with the methods `isf` and `sf` of those of scipy.stats. why: what the distribution follows from. The limit is
-    exceeded with the probability `SUSPICIOUS`; see `again`. note, figures: see `Judgement`.
+    exceeded with the probability `SUSPICIOUS`; see `again`. once: that probability, of data that cannot be measured
+    again. note, figures: see `Judgement`.
     """
     from scipy.stats import norm
 
-    limit, p_value = float(law.isf(SUSPICIOUS)), float(law.sf(statistic))
+    limit, p_value = float(law.isf(once or SUSPICIOUS)), float(law.sf(statistic))
+    rate = once or FALSE_ALARM
     good = statistic <= limit
     return Judgement(
         "pass" if good else "fail",
@@ -462,10 +480,15 @@ def by_chance(
         None,
         _not_nan(statistic / limit),
         _relative(abs(limit - statistic), limit),
-        Criterion("statistical", "at_most", limit, f"{why}; red beyond it, twice: false-alarm rate {FALSE_ALARM:.2g}"),
+        Criterion(
+            "statistical",
+            "at_most",
+            limit,
+            f"{why}; red beyond it{'' if once else ', twice'}: false-alarm rate {rate:.2g}",
+        ),
         sigmas=_not_nan(float(norm.isf(max(p_value, 1e-300) / 2))),
         p_value=p_value,
-        false_alarm=FALSE_ALARM,
+        false_alarm=rate,
         note=note,
         figures=figures,
     )

@@ -532,3 +532,39 @@ def test_a_verdict_without_findings_has_all_keys() -> None:
     assert (without["judgements"], without["worst"]) == ([], None)
     assert without["outcome"] == "error"
     assert with_some["outcome"] == "pass"
+
+
+# -- once ----------------------------------------------------------------------------------------------
+
+
+def test_what_cannot_be_measured_again_has_a_level_of_its_own() -> None:
+    """The quantile is that of the level, there is no second run, and what is seen is seen at once."""
+    one = judged(4.0, once=1e-5)
+    quantile = student.isf(0.5e-5, 1e6 - 1)
+    assert one.outcome == "pass"
+    assert one.criterion.tolerance == pytest.approx(quantile)
+    assert one.false_alarm == 1e-5
+    assert "twice" not in one.criterion.why
+    assert nct.sf(quantile, 1e6 - 1, one.sensitivity) == pytest.approx(SEEN, abs=1e-5)
+    assert judged(4.5, once=1e-5).outcome == "fail"
+    assert judged(4.0).outcome == "fail"
+
+
+def test_mean_and_drift_share_the_level() -> None:
+    trend = Trend(4.9, 1.0, 1e6)
+    mean = Mean(0.0, 1.0, 1e6, 1e6, trend)
+    share = 1e-5 / 6  # of the drift: 2e-4 of 1.2e-3
+    one = statistical("x", 0.0, 1.0, 0.0, 0.0, "why", samples=mean, once=1e-5)
+    assert one.criterion.tolerance == pytest.approx(student.isf((1e-5 - share) / 2, 1e6))
+    assert (one.outcome, one.false_alarm) == ("fail", 1e-5)
+    assert student.isf(share / 2, 1e6) < trend.change
+    assert statistical("x", 0.0, 1.0, 0.0, 0.0, "why", samples=mean, once=1e-6).outcome == "pass"
+
+
+def test_a_test_statistic_that_cannot_be_measured_again() -> None:
+    law = chi2(5)
+    limit = law.isf(1e-4)
+    assert by_chance("x", limit * 1.001, law, "why", once=1e-4).outcome == "fail"
+    one = by_chance("x", limit * 0.999, law, "why", once=1e-4)
+    assert (one.outcome, one.false_alarm) == ("pass", 1e-4)
+    assert "twice" not in one.criterion.why
