@@ -8,12 +8,14 @@ Liquids (1987), section 2.8, for the corrections.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from crosscheck.scene import Floats, LennardJones, Scene
+from crosscheck.scene import Floats, LennardJones, Scene, State
 
 
 class PairSum(NamedTuple):
@@ -33,27 +35,28 @@ class PairSum(NamedTuple):
     sensitivity: float
 
 
-def pair_sum(scene: Scene) -> PairSum:
-    """The scene's initial configuration, pair by pair from scipy's k-d trees: no code in common with `refimpl`.
+@lru_cache(maxsize=1)
+def _start(scene: Scene) -> State:
+    """The initial state, to be read only: the sums of one scene are asked for at many times."""
+    return scene.initial_state()
 
-    scene: of [lennard_jones], whose units the result has. Derivation: the sum over pairs as it is defined, with Lorentz
-    and Berthelot's rules for mixtures (Allen and Tildesley 1987): each particle with all images within the cutoff of
-    all others, and with its own images; half of phi and of r . f belongs to each of the two partners.
+
+def pair_sum(scene: Scene, positions: Floats | None = None) -> PairSum:
+    """A configuration of the scene, pair by pair from scipy's k-d trees: no code in common with `refimpl`.
+
+    scene: of [lennard_jones], whose units the result has. positions: (N, d), length; None: its initial ones.
+    Derivation: the sum over pairs as it is defined, with Lorentz and Berthelot's rules for mixtures (Allen and
+    Tildesley 1987): each particle with all images within the cutoff of all others, and with its own images; half of phi
+    and of r . f belongs to each of the two partners.
     """
-    lj, state = scene.lennard_jones, scene.initial_state()
+    lj, state = scene.lennard_jones, _start(scene)
     assert lj is not None
-    x, d, number = state.positions, scene.dimension, scene.number
+    x, d, number = state.positions if positions is None else positions, scene.dimension, scene.number
     i, j, difference = _directed_pairs(x, scene.periods(), lj.cutoff)
     r = np.sqrt((difference**2).sum(axis=1))
 
-    epsilons, sigmas = np.atleast_1d(lj.epsilon), np.atleast_1d(lj.length)
-    if lj.length_form == "r_m":
-        sigmas = sigmas / 2 ** (1 / 6)
-    kind: Floats = np.zeros(number, dtype=int) if state.species is None else state.species
-    epsilons, sigmas = (np.full(kind.max() + 1, of[0]) if of.size == 1 else of for of in (epsilons, sigmas))
-    epsilon = np.sqrt(epsilons[kind[i]] * epsilons[kind[j]])
-    sigma = 0.5 * (sigmas[kind[i]] + sigmas[kind[j]])
-
+    kind, of_species = _kinds(scene), _mixed(lj)
+    epsilon, sigma = (values[kind[i], kind[j]] for values in of_species)
     energy, slope = _potential(r, epsilon, sigma)
     at_cutoff, slope_at_cutoff = _potential(np.full_like(r, lj.cutoff), epsilon, sigma)
     if lj.truncation == "shifted":
@@ -113,6 +116,22 @@ def _potential(r: Floats, epsilon: Floats, sigma: Floats) -> tuple[Floats, Float
     return 4 * epsilon * (s6 * s6 - s6), -24 * epsilon * (2 * s6 * s6 - s6) / r
 
 
+def _mixed(lj: LennardJones) -> tuple[Floats, Floats]:
+    """epsilon_ij and sigma_ij of pairs of species, (S, S), by Lorentz and Berthelot's rules; S = 1 if all are alike."""
+    epsilons, sigmas = np.broadcast_arrays(np.atleast_1d(lj.epsilon), np.atleast_1d(lj.length))
+    if lj.length_form == "r_m":
+        sigmas = sigmas / 2 ** (1 / 6)
+    return np.sqrt(np.outer(epsilons, epsilons)), 0.5 * np.add.outer(sigmas, sigmas)
+
+
+def _kinds(scene: Scene) -> NDArray[np.int64]:
+    """Rows of `_mixed` of the particles, (N,): their species, or 0 if all are alike."""
+    lj = scene.lennard_jones
+    assert lj is not None
+    alike = scene.species is None or np.size(lj.epsilon) == np.size(lj.length) == 1
+    return np.zeros(scene.number, dtype=np.int64) if alike else np.array(scene.species, dtype=np.int64)
+
+
 def at_cutoff(lj: LennardJones) -> tuple[float, float]:
     """Largest |phi| and |phi'| at the cutoff, among the pairs of species, before any shift.
 
@@ -120,10 +139,7 @@ def at_cutoff(lj: LennardJones) -> tuple[float, float]:
 
     lj: of a scene, whose units the result has: energy, and energy/length.
     """
-    epsilons, sigmas = np.broadcast_arrays(np.atleast_1d(lj.epsilon), np.atleast_1d(lj.length))
-    if lj.length_form == "r_m":
-        sigmas = sigmas / 2 ** (1 / 6)
-    epsilon, sigma = np.sqrt(np.outer(epsilons, epsilons)), 0.5 * np.add.outer(sigmas, sigmas)
+    epsilon, sigma = _mixed(lj)
     energy, slope = _potential(np.full_like(epsilon, lj.cutoff), epsilon, sigma)
     return float(np.abs(energy).max()), float(np.abs(slope).max())
 
@@ -138,12 +154,7 @@ def energy_of_the_cut(scene: Scene, positions: Floats) -> float:
     lj = scene.lennard_jones
     assert lj is not None
     i, j, _ = _directed_pairs(positions, scene.periods(), lj.cutoff)
-    epsilons, sigmas = np.broadcast_arrays(np.atleast_1d(lj.epsilon), np.atleast_1d(lj.length))
-    if lj.length_form == "r_m":
-        sigmas = sigmas / 2 ** (1 / 6)
-    several = epsilons.size > 1 and scene.species is not None
-    kind: Floats = np.array(scene.species) if several else np.zeros(len(positions), dtype=int)
-    epsilon, sigma = np.sqrt(np.outer(epsilons, epsilons)), 0.5 * np.add.outer(sigmas, sigmas)
+    kind, (epsilon, sigma) = _kinds(scene), _mixed(lj)
     energy, _ = _potential(np.full_like(epsilon, lj.cutoff), epsilon, sigma)
     return 0.5 * float(energy[kind[i], kind[j]].sum())
 
@@ -218,6 +229,32 @@ def tail_corrections(scene: Scene) -> tuple[float, float]:
     energy = float((pairs * (repulsion - attraction)).sum())
     virial = float((pairs * (12 * repulsion - 6 * attraction)).sum())
     return energy, virial / (d * volume)
+
+
+def cut_diffusion(scene: Scene, temperature: float, dt: float) -> float:
+    """Variance of the energy that a step of the force at the cutoff adds per time, in steps of Verlet's kind.
+
+    A pair that passes the cutoff with the relative velocity v along its line within a step of length dt gets the force
+    F = phi'(rc) for a part of the step that is off by up to dt/2: the energy changes by up to |F v| dt/2, evenly
+    distributed, with the variance (F v dt)^2/12. Pairs of the species i and j pass at the rate n_i n_j/(2V) S rc^(d-1)
+    <|v|>, with S = 4 pi in three dimensions and 2 pi in two, g(rc) = 1, and v normal with the variance T (1/m_i +
+    1/m_j) = s^2; in the mean over those that pass, <v^2> = 2 s^2, and <|v|> = (2/pi)^(1/2) s. 0 for truncation
+    "force_shifted".
+
+    scene: of [lennard_jones] in a box. temperature: T, energy. dt: time. Derivation: as above.
+    """
+    lj, state, d = scene.lennard_jones, _start(scene), scene.dimension
+    assert lj is not None
+    if lj.truncation == "force_shifted":
+        return 0.0
+    (kinds, masses), counts = np.unique(np.vstack([_kinds(scene), state.masses]), axis=1, return_counts=True)
+    species = np.ix_(kinds.astype(int), kinds.astype(int))
+    epsilon, sigma = (values[species] for values in _mixed(lj))
+    _, force = _potential(np.full_like(epsilon, lj.cutoff), epsilon, sigma)
+    s2 = temperature * np.add.outer(1 / masses, 1 / masses)
+    surface = (4 * np.pi if d == 3 else 2 * np.pi) * lj.cutoff ** (d - 1)
+    rates = np.outer(counts, counts) / (2 * scene.volume()) * surface * np.sqrt(2 / np.pi * s2)
+    return float((rates * force**2 * 2 * s2).sum()) * dt**2 / 12
 
 
 def open_cluster(positions: Floats, velocities: Floats, times: Floats) -> Floats:

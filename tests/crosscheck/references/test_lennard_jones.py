@@ -14,6 +14,7 @@ from scipy.integrate import quad
 from crosscheck.references.lennard_jones import (
     PairSum,
     at_cutoff,
+    cut_diffusion,
     energy_of_the_cut,
     equation_of_state,
     open_cluster,
@@ -128,6 +129,13 @@ def test_energy_and_virial_are_those_of_a_double_loop(
     found, (energy, virial) = pair_sum(scene), double_loop(scene)
     assert found.energy == pytest.approx(energy, abs=1e-13 * found.energy_scale)
     assert found.virial == pytest.approx(virial, abs=1e-13 * found.virial_scale)
+
+
+@pytest.mark.parametrize("box", ["periodic", "walls"])
+def test_other_positions_are_those_of_another_start(box: str) -> None:
+    one, other = scattered(3, 1), scattered(3, 2)
+    assert pair_sum(scene_of(one, box), other).energy == pair_sum(scene_of(other, box)).energy
+    assert pair_sum(scene_of(one, box), one).energy == pair_sum(scene_of(one, box)).energy
 
 
 @pytest.mark.parametrize("truncation", TRUNCATIONS)
@@ -357,3 +365,66 @@ def test_the_energy_of_the_cut_is_what_a_shift_takes(mixture: bool, length_form:
     sigma = 1.0 if length_form == "sigma" else 2 ** (-1 / 6)
     phi, slope = (abs(one) for one in potential(CUTOFF, 1.0, sigma))
     assert at_cutoff(truncated.lennard_jones) == pytest.approx((phi, slope), rel=1e-12)  # that of the largest species
+
+
+# -- the step of the force at the cutoff ---------------------------------------------------------------
+
+
+def test_a_pair_that_passes_the_cutoff_gains_or_loses_energy_evenly_up_to_half_a_step() -> None:
+    """Velocity Verlet of one coordinate, by hand: the error of the energy has the variance (F v dt)^2/12."""
+    dt, reduced, rng = 0.01, 0.5, np.random.default_rng(1)
+    v = np.full(4000, 1.5)
+    r = CUTOFF - 0.1 + rng.uniform(0, dt * 1.5, 4000)  # a step long: all phases are as likely
+
+    def cut(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        phi, slope = potential(r, 1.0, 1.0)
+        inside = r < CUTOFF
+        return np.where(inside, phi - potential(CUTOFF, 1.0, 1.0)[0], 0.0), np.where(inside, -slope, 0.0)
+
+    start = cut(r)[0] + 0.5 * reduced * v**2
+    force = cut(r)[1]
+    for _ in range(20):
+        v = v + 0.5 * dt * force / reduced
+        r = r + dt * v
+        force = cut(r)[1]
+        v = v + 0.5 * dt * force / reduced
+    assert (r > CUTOFF).all()
+    change = cut(r)[0] + 0.5 * reduced * v**2 - start
+    largest = abs(potential(CUTOFF, 1.0, 1.0)[1]) * v.mean() * dt / 2
+    assert abs(change).max() == pytest.approx(largest, rel=0.05)
+    assert change.std() == pytest.approx(largest / 3**0.5, rel=0.05)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("mixture", [False, True])
+def test_the_variance_per_time_is_a_sum_over_pairs(dimension: int, mixture: bool) -> None:
+    number = 8
+    scene = scene_of(scattered(dimension, 3, number), mixture=mixture)
+    scene = scene.changed(masses=tuple(1.0 + (i % 3) for i in range(number)))
+    temperature, dt, expected = 1.3, 0.004, 0.0
+    lj = scene.lennard_jones
+    for i in range(number):
+        for j in range(i):
+            epsilon, sigma = 1.0, 1.0
+            if mixture:
+                epsilon = math.sqrt(lj.epsilon[i % 2] * lj.epsilon[j % 2])
+                sigma = (lj.length[i % 2] + lj.length[j % 2]) / 2
+            spread = temperature * (1 / scene.masses[i] + 1 / scene.masses[j])
+            surface = 4 * math.pi * CUTOFF**2 if dimension == 3 else 2 * math.pi * CUTOFF
+            # flux of the pairs, and the mean square of the velocity of those that pass, by quadrature
+            density = lambda v, s=spread: math.exp(-(v**2) / (2 * s)) / math.sqrt(2 * math.pi * s)  # noqa: E731
+            flux = quad(lambda v, f=density: 2 * v * f(v), 0, 20)[0]
+            square = quad(lambda v, f=density: 2 * v**3 * f(v), 0, 20)[0] / flux
+            force = potential(CUTOFF, epsilon, sigma)[1]
+            expected += surface * flux / scene.volume() * (force * dt) ** 2 * square / 12
+    # N^2/2 pairs of the formula against N (N - 1)/2: as if particles met themselves
+    assert cut_diffusion(scene, temperature, dt) == pytest.approx(expected * number / (number - 1), rel=0.2)
+    smooth = scene.changed(lennard_jones=lj.model_copy(update={"truncation": "force_shifted"}))
+    assert cut_diffusion(smooth, temperature, dt) == 0.0
+
+
+def test_the_variance_per_time_of_one_species_is_the_printed_one() -> None:
+    scene = scene_of(scattered(3, 3, 8))
+    rate = 8**2 / (2 * 4.0**3) * 4 * math.pi * CUTOFF**2 * math.sqrt(2 / math.pi * 2 * 1.3)
+    expected = rate * (potential(CUTOFF, 1.0, 1.0)[1] * 0.004) ** 2 * 2 * 2 * 1.3 / 12
+    assert cut_diffusion(scene, 1.3, 0.004) == pytest.approx(expected, rel=1e-12)
