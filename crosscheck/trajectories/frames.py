@@ -92,6 +92,15 @@ class Units(NamedTuple):
     velocity: str = ""
 
 
+class Cut(str):
+    """A remark of a `Source` that says that the file ends within a frame, and what is not read."""
+
+    @classmethod
+    def after(cls, frames: int, reason: object) -> Cut:
+        """What is said of a file of which only the first frames can be read. frames: how many. reason: why not more."""
+        return cls(f"what follows frame {frames - 1} (counted from 0) is not read: {reason}.")
+
+
 @dataclass(frozen=True)
 class Source(ABC):
     """A trajectory file that has been opened; frames are read when they are asked for.

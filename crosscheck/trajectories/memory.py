@@ -35,6 +35,7 @@ class InMemory(Source):
     velocities: Floats | None = None
     types: NDArray[np.generic] | None = None
     masses: Floats | None = None
+    diameters: Floats | None = None
     box: Box | None = None
 
     def _frame(self, index: int) -> Frame:
@@ -46,6 +47,7 @@ class InMemory(Source):
             None if self.velocities is None else self.velocities[index],
             types=self.types,
             masses=self.masses,
+            diameters=self.diameters,
             box=self.box,
         )
 
@@ -59,6 +61,7 @@ def in_memory(
     steps: Integers | None = None,
     types: NDArray[np.generic] | None = None,
     masses: Floats | None = None,
+    diameters: Floats | None = None,
     box: Box | None = None,
     wrapping: Wrapping = "unwrapped",
     rounding: Rounding = DOUBLE,
@@ -66,7 +69,7 @@ def in_memory(
     """A trajectory from arrays.
 
     name: of it. times: (S,), time. positions: (S, N, 3), length. velocities: (S, N, 3), length/time. steps: (S,).
-    types, masses: (N,). box: of all frames. wrapping: of the positions. rounding: of all quantities.
+    types, masses, diameters: (N,). box: of all frames. wrapping: of the positions. rounding: of all quantities.
     """
     return InMemory(
         Path(name),
@@ -82,5 +85,6 @@ def in_memory(
         velocities,
         types,
         masses,
+        diameters,
         box,
     )

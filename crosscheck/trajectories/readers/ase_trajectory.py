@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.trajectories.frames import DOUBLE, EXACT, Box, Frame, Source, Units, first_line
+from crosscheck.trajectories.frames import DOUBLE, EXACT, Box, Cut, Frame, Source, Units, first_line
 
 FORMAT = "ASE trajectory"
 HOLDS = "frames"
@@ -58,7 +58,7 @@ def open_file(path: Path, topology: Path | None) -> Source:
     from ase.io.trajectory import Trajectory
 
     times: list[float] = []
-    remarks = []
+    remarks: list[str] = []
     with Trajectory(str(path)) as file:
         count = len(file)
         try:
@@ -69,7 +69,7 @@ def open_file(path: Path, topology: Path | None) -> Source:
             times = times[: count - 1]
             if not times:
                 raise
-            remarks.append(f"what follows frame {len(times) - 1} (counted from 0) is not read: {first_line(error)}.")
+            remarks.append(Cut.after(len(times), first_line(error)))
     if not times:
         raise ValueError("there is no frame")
     if not np.isfinite(times).all():

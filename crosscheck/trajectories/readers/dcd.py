@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.trajectories.frames import DOUBLE, EXACT, SINGLE, Box, Floats, Integers, Units
+from crosscheck.trajectories.frames import DOUBLE, EXACT, SINGLE, Box, Cut, Floats, Integers, Units
 from crosscheck.trajectories.readers._coordinates import NO_TOPOLOGY, Coordinates, Numbers, decimal, read_topology
 from crosscheck.trajectories.vectors import from_cosines
 
@@ -59,11 +59,9 @@ def open_file(path: Path, topology: Path | None) -> Coordinates:
         raise ValueError("there is no whole frame")
     header = reader.header
     frames, last = _stated(path)
-    remarks = []
+    remarks: list[str] = []
     if frames > count:
-        remarks.append(
-            f"what follows frame {count - 1} (counted from 0) is not read: of {frames} frames, {count} are whole."
-        )
+        remarks.append(Cut.after(count, f"of {frames} frames, {count} are whole"))
     title = str(header["remarks"])
     steps = int(header["istart"]) + np.arange(count) * int(header["nsavc"])
     step_length = decimal(header["delta"])

@@ -11,7 +11,7 @@ from typing import IO
 import numpy as np
 
 from crosscheck.lammps_dump import BOUNDS, DumpFrame, DumpIndex, FrameKey, dump_index, is_dump, opened, read_frame
-from crosscheck.trajectories.frames import EXACT, Box, Floats, Frame, Rounding, Source, Units, Wrapping, ordered
+from crosscheck.trajectories.frames import EXACT, Box, Cut, Floats, Frame, Rounding, Source, Units, Wrapping, ordered
 from crosscheck.trajectories.rounding import of_decimals, scaled, unwrapped
 from crosscheck.trajectories.vectors import moved
 
@@ -89,7 +89,7 @@ def open_file(path: Path, topology: Path | None) -> Source:
 def _remarks(found: DumpIndex, timed: bool) -> Iterator[str]:
     keys, sample = found.keys, found.sample
     if found.cut:
-        yield f"what follows step {keys[-1].step} is not read: {found.cut}."
+        yield Cut(f"what follows step {keys[-1].step} is not read: {found.cut}.")
     for reason in found.broken:
         yield f"{reason}, and another frame follows: it is left out."
     if not timed:

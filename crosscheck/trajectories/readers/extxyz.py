@@ -18,7 +18,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 
 from crosscheck.columns import SAMPLE, printed, read_columns, whole
-from crosscheck.trajectories.frames import DOUBLE, EXACT, Box, Floats, Frame, Rounding, Source, Units, ordered
+from crosscheck.trajectories.frames import DOUBLE, EXACT, Box, Cut, Floats, Frame, Rounding, Source, Units, ordered
 from crosscheck.trajectories.rounding import of_decimals
 from crosscheck.trajectories.vectors import in_space
 
@@ -86,7 +86,7 @@ def open_file(path: Path, topology: Path | None) -> Source:
     """
     heads: list[_Head] = []
     sample: tuple[_Head, list[bytes]] | None = None
-    remarks = []
+    remarks: list[str] = []
     try:
         for head, rows in _heads(path):
             heads.append(head)
@@ -94,7 +94,7 @@ def open_file(path: Path, topology: Path | None) -> Source:
     except _DAMAGED as error:
         if not heads:
             raise
-        remarks.append(f"what follows frame {len(heads) - 1} (counted from 0) is not read: {error}.")
+        remarks.append(Cut.after(len(heads), error))
     if not heads:
         raise ValueError("there is no frame")
     times = np.array([_number(head.known, _TIMES) for head in heads])

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.trajectories.frames import DOUBLE, EXACT, SINGLE, Box, Floats, Rounding, Units, first_line
+from crosscheck.trajectories.frames import DOUBLE, EXACT, SINGLE, Box, Cut, Floats, Rounding, Units, first_line
 from crosscheck.trajectories.readers._coordinates import NO_TOPOLOGY, Coordinates, Numbers, decimal, read_topology
 
 FORMAT = "XTC or TRR"
@@ -76,7 +76,7 @@ def open_file(path: Path, topology: Path | None) -> Coordinates:
     """
     reader = _opened(path)
     count = len(reader)
-    remarks = []
+    remarks: list[str] = []
     while count:
         try:
             heads = [_head(path, int(offset)) for offset in reader.offsets[:count]]
@@ -87,7 +87,7 @@ def open_file(path: Path, topology: Path | None) -> Coordinates:
             count -= 1
             if not count:
                 raise
-            remarks = [f"what follows frame {count - 1} (counted from 0) is not read: {first_line(error)}."]
+            remarks = [Cut.after(count, first_line(error))]
     # positions may be written at other intervals than velocities
     places = [place for place in range(count) if path.suffix == ".xtc" or heads[place].sizes[_POSITIONS]]
     if not places:

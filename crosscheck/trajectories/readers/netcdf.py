@@ -19,6 +19,7 @@ from crosscheck.trajectories.frames import (
     DOUBLE,
     SINGLE,
     Box,
+    Cut,
     Floats,
     Frame,
     Rounding,
@@ -115,7 +116,7 @@ def open_file(path: Path, topology: Path | None) -> Source:
     Times are in the file's unit; LAMMPS stores steps, and the length of a step as a factor. ValueError if no frame of
     it is whole, or if there are no coordinates.
     """
-    remarks = []
+    remarks: list[str] = []
     with _opened(path) as file:
         name = _of_positions(file)
         framed = "frame" in file[name].dimensions
@@ -124,9 +125,7 @@ def open_file(path: Path, topology: Path | None) -> Source:
             classic = raw.read(len(_CLASSIC)) == _CLASSIC
         whole = whole_frames(path) if classic and framed else count
         if whole < count:
-            remarks.append(
-                f"what follows frame {whole - 1} (counted from 0) is not read: {whole} of {count} are whole."
-            )
+            remarks.append(Cut.after(whole, f"{whole} of {count} are whole"))
             count = whole
         if not count:
             raise ValueError("there is no whole frame")
