@@ -1,4 +1,4 @@
-"""The command line: list, run, diff, baseline, simulate, compare, repeat, report, export, show, engines, prove ..."""
+"""The command line: list, run, diff, baseline, simulate, compare, repeat, inspect, report, export, show, prove ..."""
 
 from __future__ import annotations
 
@@ -395,6 +395,55 @@ def accept(
     from crosscheck import commands
 
     raise typer.Exit(commands.accept_baseline(checks or [], engine or [], baseline, run))
+
+
+@app.command()
+def inspect(
+    trajectory: Annotated[Path, typer.Argument(help="File of a trajectory, in any format that is read.")],
+    scene: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Scene that was run: masses, sizes, box, potential, and what it conserves."),
+    ] = None,
+    topology: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="File with types and masses, for formats that hold coordinates alone."),
+    ] = None,
+    ensemble: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="What the run is taken for: equilibrium, nvt, nve or none. Default: as the scene says."),
+    ] = None,
+    temperature: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="k_B T that it should have, in mass velocity^2 of the file; or in kelvin, as 300K."),
+    ] = None,
+    mass: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(metavar="TYPE=MASS", help="Mass of a type, where the file states none. Repeatable."),
+    ] = None,
+    hard: Annotated[bool, typer.Option("--hard", help="Particles with diameters must not overlap.")] = False,
+    homogeneous: Annotated[bool, typer.Option("--homogeneous", help="The radial distribution must go to 1.")] = False,
+    constraints: Annotated[int, typer.Option(min=0, help="Number of degrees of freedom that are constrained.")] = 0,
+    skip: Annotated[
+        float, typer.Option(metavar="SHARE", help="Share of the frames at the start that is left out of statistics.")
+    ] = 0.2,
+    arithmetic: Annotated[str, typer.Option(help="Arithmetic of the run, double or single.")] = "double",
+    results: Annotated[Optional[Path], typer.Option("--json", help="Also write all of it as JSON.")] = None,  # noqa: UP045
+    page: Annotated[Optional[Path], typer.Option(help="Also write a page with figures (HTML).")] = None,  # noqa: UP045
+    allow_inconclusive: Annotated[
+        bool, typer.Option("--allow-inconclusive", help="Inconclusive verdicts count as passed.")
+    ] = False,
+) -> None:
+    """Inspect one trajectory alone: frames, motion, conservation, velocities, structure, each with a verdict.
+
+    Exit status: 0 nothing is wrong, 1 a property is red, 2 bad usage or input, 3 a verdict is inconclusive, 4 nothing
+    but the file itself could be judged.
+    """
+    from crosscheck import commands
+
+    said = commands.Said(scene, ensemble, temperature, mass or [], hard, homogeneous, constraints, skip, arithmetic)
+    raise typer.Exit(
+        interruptible(lambda: commands.inspect(trajectory, topology, said, results, page, allow_inconclusive))
+    )
 
 
 @app.command()

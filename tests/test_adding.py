@@ -189,3 +189,34 @@ def test_a_trajectory_format(copy: Path, command: COMMAND, tmp_path: Path) -> No
     assert refused.returncode == 2
     assert refused.stderr == "crosscheck: --format counts: unknown; take count, dump, extxyz, gsd, npz\n"
     assert "count, dump, extxyz, gsd" in " ".join(command("simulate", "--help").stdout.replace("│", " ").split())
+
+
+PROPERTY = """
+from crosscheck.inspect.property import Collector, Property, Told, none_of
+
+
+class _Far(Collector):
+    def __init__(self, setting):
+        self._found = 0
+
+    def add(self, view):
+        self._found += int((abs(view.frame.positions) > 9).any())
+
+    def judge(self, once):
+        return Told((none_of("frames with a particle beyond 9", self._found, "it is near"),))
+
+
+PROPERTY = Property("nearness", "structure", _Far)
+"""
+
+
+def test_a_property_of_a_trajectory(copy: Path, command: COMMAND, tmp_path: Path) -> None:
+    """One file in the folder of properties: it is judged, and decides the exit status."""
+    (copy / "crosscheck" / "inspect" / "properties" / "throw_away.py").write_text(PROPERTY)
+    for far, status in ((1.0, 0), (10.0, 1)):
+        frames = [f"2\ntime={time}\nX {time} 0 0\nX 5 {far} {time}\n" for time in range(4)]
+        (tmp_path / "two.xyz").write_text("".join(frames))
+        done = command("inspect", "two.xyz")
+        assert done.returncode == status, done.stdout + done.stderr
+        assert any(line.startswith("nearness") for line in done.stdout.splitlines())
+    assert "nearness: fail: frames with a particle beyond 9" in done.stdout

@@ -45,6 +45,7 @@ FLOORS = (
     ("crosscheck.mutation", "crosscheck.compare", "crosscheck.budget"),
     ("crosscheck.painter", "crosscheck.report"),
     ("crosscheck.simulate", "crosscheck.documents", "crosscheck.regression"),
+    ("crosscheck.inspect",),
     ("crosscheck.commands",),
     ("crosscheck.cli", "crosscheck.pytest_plugin"),
 )

@@ -3,6 +3,7 @@
 from crosscheck.commands.calibrating import calibrate
 from crosscheck.commands.comparing import Standard, compare, repeat
 from crosscheck.commands.exporting import export
+from crosscheck.commands.inspecting import Said, inspect
 from crosscheck.commands.listing import engines, list_checks, report, show
 from crosscheck.commands.mutating import Sample, mutate
 from crosscheck.commands.proving import prove
@@ -11,6 +12,6 @@ from crosscheck.commands.running import run
 from crosscheck.commands.simulating import simulate
 
 __all__ = [
-    "Sample", "Standard", "accept_baseline", "calibrate", "compare", "diff", "engines", "export", "list_checks",
-    "mutate", "prove", "repeat", "report", "run", "show", "simulate",
+    "Said", "Sample", "Standard", "accept_baseline", "calibrate", "compare", "diff", "engines", "export", "inspect",
+    "list_checks", "mutate", "prove", "repeat", "report", "run", "show", "simulate",
 ]  # fmt: skip

@@ -15,7 +15,7 @@ from crosscheck.trajectories.frames import Floats, Integers, Series, Source
 #: By what frames are matched.
 Clock = Literal["time", "step", "order"]
 #: Times of 32 bits, and times that a code has summed up in them, differ by units of the last of these bits.
-_TIME_ROUNDING = 2.0**-21
+TIME_ROUNDING = 2.0**-21
 
 
 class Pairing(NamedTuple):
@@ -141,7 +141,7 @@ def _ordered(values: Floats, path: Path) -> tuple[Integers, list[str]]:
 
 def _close(times: Floats) -> Floats:
     """The largest difference of two times that are the same."""
-    return np.asarray(_TIME_ROUNDING * np.abs(times))
+    return np.asarray(TIME_ROUNDING * np.abs(times))
 
 
 def _matched(here: Floats, there: Floats, mine: Integers, others: Integers) -> tuple[Integers, Integers]:
@@ -151,7 +151,7 @@ def _matched(here: Floats, there: Floats, mine: Integers, others: Integers) -> t
     for frame, at in zip(mine, place, strict=True):
         near = [others[k] for k in (at - 1, at) if 0 <= k < len(others)]
         best = min(near, key=lambda k: abs(there[k] - here[frame]))
-        if abs(there[best] - here[frame]) <= _TIME_ROUNDING * abs(here[frame]):
+        if abs(there[best] - here[frame]) <= TIME_ROUNDING * abs(here[frame]):
             first.append(frame)
             second.append(best)
     return np.array(first, dtype=np.int64), np.array(second, dtype=np.int64)

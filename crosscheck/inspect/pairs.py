@@ -1,0 +1,73 @@
+"""Pairs of particles that are near each other: MDAnalysis finds them, in 32 bits; distances are those of 64 bits."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from crosscheck.compare.differences import nearest_image
+from crosscheck.trajectories.frames import SINGLE, Box, Floats, Frame, Integers
+
+
+class Pairs(NamedTuple):
+    """Pairs of particles. first, second: their rows in the frame, (P,). distances: (P,), length."""
+
+    first: Integers
+    second: Integers
+    distances: Floats
+
+
+def pairs_within(frame: Frame, reach: float, chosen: Integers | None = None) -> Pairs:
+    """Pairs of a frame nearer than `reach`, each once; or of `chosen` rows with all others, each from every chosen row.
+
+    frame: of them. reach: length, at most half of what `largest_reach` allows. chosen: rows; None: all.
+    """
+    from MDAnalysis.lib.distances import capped_distance, self_capped_distance
+
+    positions, dimensions = _for_mdanalysis(frame, reach)
+    # 32 bits of a coordinate, and of the edges, may hide a pair at the edge of the reach
+    margin = 16 * SINGLE.relative * (float(np.abs(positions).max(initial=0.0)) + reach)
+    found: Any
+    if chosen is None:
+        found = self_capped_distance(positions, reach + margin, box=dimensions, return_distances=False)
+    else:
+        found = capped_distance(positions[chosen], positions, reach + margin, box=dimensions, return_distances=False)
+    found = np.asarray(found, dtype=np.int64).reshape(-1, 2)
+    first, second = found[:, 0] if chosen is None else chosen[found[:, 0]], found[:, 1]
+    apart = frame.positions[first] - frame.positions[second]
+    if frame.box is not None:
+        apart = nearest_image(apart, frame.box)
+    distances = np.linalg.norm(apart, axis=1)
+    near = (distances < reach) & (first != second)
+    return Pairs(first[near], second[near], distances[near])
+
+
+def largest_reach(box: Box | None) -> float:
+    """Half of the smallest distance of opposite faces of a periodic box: nearer pairs have one image; inf: no box."""
+    if box is None:
+        return float("inf")
+    edges = box.vectors + np.diag((np.abs(box.vectors).sum(axis=1) == 0).astype(np.float64))
+    heights = 1 / np.linalg.norm(np.linalg.inv(edges), axis=0)
+    around = box.periodic & (np.abs(box.vectors).sum(axis=1) > 0)
+    return float(heights[around].min(initial=np.inf)) / 2
+
+
+def _for_mdanalysis(frame: Frame, reach: float) -> tuple[Any, Any]:
+    """Positions of 32 bits in a box that is periodic along all axes, so wide along some that no image is near."""
+    from MDAnalysis.lib.mdamath import triclinic_box
+
+    box = frame.box
+    positions = frame.positions - frame.positions.min(axis=0, initial=np.inf)
+    room = np.ptp(positions, axis=0) + 4 * reach
+    if box is None:
+        vectors = np.diag(room)
+    else:
+        around = box.periodic & (np.abs(box.vectors).sum(axis=1) > 0)
+        vectors = np.where(around[:, None], box.vectors, np.diag(room))
+        positions = frame.positions - box.lower
+        images = np.floor(positions @ np.linalg.inv(vectors)) * around
+        positions = positions - images @ vectors
+        shift = np.where(around, 0.0, positions.min(axis=0, initial=np.inf))
+        positions = positions - shift
+    return np.asarray(positions, dtype=np.float32), triclinic_box(*vectors)
