@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
+from crosscheck.commands.console import progress_of
 from crosscheck.commands.regressing import diff
 from crosscheck.compare.differences import VECTORS
 from crosscheck.compare.growth import EPSILON, Rate
@@ -115,12 +111,12 @@ def _compared(opened: Sequence[Source | Series], mode: Mode, asked: Standard, ra
         _write(out / DOCUMENT, table_document(found, mode))
         return status(found.classed, mode)
     if len(sources) == 2:
-        with _bar("frames") as progress:
+        with progress_of("frames") as progress:
             pair = _of_two(sources[0], sources[1], mode, asked, rate, progress)
         _print(pair)
         _write_all(pair, mode, out)
         return status(pair.classed, mode)
-    with _bar("files") as progress:
+    with progress_of("files") as progress:
         several = replicas(sources, progress)
     return _print_replicas(several, sources, mode, asked, rate, out)
 
@@ -226,15 +222,3 @@ def _write(path: Path, content: dict[str, Any]) -> None:
     with naming(path):
         path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     print(path)
-
-
-@contextmanager
-def _bar(what: str) -> Iterator[Any]:
-    """A progress bar on a terminal; nothing on a pipe."""
-    if not sys.stderr.isatty():
-        yield lambda done, total: None
-        return
-    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
-    with Progress(*columns, transient=True, console=Console(stderr=True)) as progress:
-        task = progress.add_task(what)
-        yield lambda done, total: progress.update(task, completed=done, total=total)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from rich.console import Console
@@ -46,6 +49,32 @@ def that_pay(jobs: int | None, things: int) -> int:
     if jobs is not None and jobs > most:
         print(f"crosscheck: --jobs {jobs}: {most} at a time, for there are {things} to do on {cores} cores", flush=True)
     return min(jobs or most, most)
+
+
+@contextmanager
+def progress_of(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Shows on stderr how much is done: as a bar on a terminal, else as lines at ever longer intervals.
+
+    what: that is being done. Gives a function that is told how many are done, and of how many.
+    """
+    if not sys.stderr.isatty():
+        from crosscheck.simulate.progress import Lines
+
+        lines, begun = Lines(printable(what)), time.monotonic()
+
+        def say(done: int, total: int) -> None:
+            text = lines.line(time.monotonic() - begun, "reading", done / total)
+            if text is not None and done < total:
+                print(text, file=sys.stderr, flush=True)
+
+        yield say
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(plain(what), total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def say_if_torn(path: Path) -> None:

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-import time
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -15,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from crosscheck import status
-from crosscheck.commands.console import COLOURS, plain, wide_console
+from crosscheck.commands.console import COLOURS, plain, progress_of, wide_console
 from crosscheck.errors import UsageError
 from crosscheck.files import naming, refuse_unwritable, shown_path
 from crosscheck.text import printable
@@ -66,7 +63,7 @@ def inspect(
     options = _options(said)
     scene: Scene | None = None if said.scene is None else load(said.scene)
     source = _opened(trajectory, topology)
-    with _progress(trajectory.name) as progress:
+    with progress_of(trajectory.name) as progress:
         inspection = inspect_trajectory(source, scene, options, progress)
     found = [{"outcome": one.outcome} for one in inspection.judgements]
     unjudged = [] if _judges_more_than_the_file(inspection) else ["nothing but the file itself was judged"]
@@ -74,6 +71,7 @@ def inspect(
     _print(inspection, trajectory)
     if results is not None:
         with naming(results):
+            results.parent.mkdir(parents=True, exist_ok=True)
             results.write_text(json.dumps(_as_json(inspection, result), indent=1) + "\n", encoding="utf-8")
     if page is not None:
         from crosscheck.inspect.page import write_page
@@ -226,25 +224,3 @@ def _as_json(inspection: Inspection, result: status.Status) -> dict[str, Any]:
             for one in inspection.found
         ],
     }
-
-
-@contextmanager
-def _progress(name: str) -> Iterator[Callable[[int, int], None]]:
-    """Shows how many frames are done, on stderr: as a bar on a terminal, else as lines at ever longer intervals."""
-    if not sys.stderr.isatty():
-        from crosscheck.simulate.progress import Lines
-
-        lines, begun = Lines(printable(name)), time.monotonic()
-
-        def say(done: int, total: int) -> None:
-            text = lines.line(time.monotonic() - begun, "reading", done / total)
-            if text is not None and done < total:
-                print(text, file=sys.stderr, flush=True)
-
-        yield say
-        return
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(plain(name), total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-from markupsafe import Markup
-
 from crosscheck.figure import Histogram
 from crosscheck.files import naming
 from crosscheck.inspect.inspection import Inspection
 from crosscheck.inspect.setting import TAKEN
-from crosscheck.report import figures, numbers
+from crosscheck.report import figures
+from crosscheck.report.pages import templates
 from crosscheck.text import printable
 from crosscheck.verdict import SENSITIVITY, Outcome
 
@@ -23,47 +22,35 @@ def write_page(inspection: Inspection, path: Path) -> None:
     """Writes the page of an inspection. inspection: what is told. path: of the file."""
     page = render(inspection)
     with naming(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(printable(page, keep="\n\t"), encoding="utf-8")
 
 
 def render(inspection: Inspection) -> str:
     """The page as HTML; the same inspection gives the same text. inspection: what is told."""
-    import jinja2
-
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    environment.filters.update(
-        measured=numbers.measured,
-        expected=numbers.expected,
-        deviation=numbers.deviation,
-        sensitivity=numbers.sensitivity,
-        svg=Markup,
-    )
     setting = inspection.setting
     counts = Counter(one.outcome for one in inspection.judgements)
     rows = [
         (one, [(judgement, judgement.as_record()) for judgement in one.told.judgements]) for one in inspection.found
     ]
-    return environment.get_template("page.html.j2").render(
-        name=setting.source.path.name,
-        palette=figures.PALETTE,
-        facts=_facts(inspection),
-        tally=[(outcome, counts[outcome]) for outcome in _OUTCOMES if counts[outcome]],
-        rows=rows,
-        worst=[
-            (one, judgement, record)
-            for outcome in ("fail", "inconclusive")
-            for one, judged in rows
-            for judgement, record in judged
-            if judgement.outcome == outcome
-        ],
-        drawings=_drawings(inspection),
-        meaning_of_sensitivity=SENSITIVITY,
+    return (
+        templates()
+        .get_template("inspection.html.j2")
+        .render(
+            name=setting.source.path.name,
+            facts=_facts(inspection),
+            tally=[(outcome, counts[outcome]) for outcome in _OUTCOMES if counts[outcome]],
+            rows=rows,
+            worst=[
+                (one, judgement, record)
+                for outcome in ("fail", "inconclusive")
+                for one, judged in rows
+                for judgement, record in judged
+                if judgement.outcome == outcome
+            ],
+            drawings=_drawings(inspection),
+            meaning_of_sensitivity=SENSITIVITY,
+        )
     )
 
 

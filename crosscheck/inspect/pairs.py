@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from crosscheck.compare.differences import nearest_image
-from crosscheck.trajectories.frames import SINGLE, Box, Floats, Frame, Integers
+from crosscheck.compare.differences import flat_axes, nearest_image
+from crosscheck.trajectories.frames import SINGLE, Floats, Frame, Integers
 
 
 class Pairs(NamedTuple):
@@ -21,13 +22,12 @@ class Pairs(NamedTuple):
 def pairs_within(frame: Frame, reach: float, chosen: Integers | None = None) -> Pairs:
     """Pairs of a frame nearer than `reach`, each once; or of `chosen` rows with all others, each from every chosen row.
 
-    frame: of them. reach: length, at most half of what `largest_reach` allows. chosen: rows; None: all.
+    frame: of them. reach: length, at most that of `largest_reach`. chosen: rows; None: all.
     """
     from MDAnalysis.lib.distances import capped_distance, self_capped_distance
 
     positions, dimensions = _for_mdanalysis(frame, reach)
-    # 32 bits of a coordinate, and of the edges, may hide a pair at the edge of the reach
-    margin = 16 * SINGLE.relative * (float(np.abs(positions).max(initial=0.0)) + reach)
+    margin = _margin(frame)
     found: Any
     if chosen is None:
         found = self_capped_distance(positions, reach + margin, box=dimensions, return_distances=False)
@@ -43,14 +43,33 @@ def pairs_within(frame: Frame, reach: float, chosen: Integers | None = None) -> 
     return Pairs(first[near], second[near], distances[near])
 
 
-def largest_reach(box: Box | None) -> float:
-    """Half of the smallest distance of opposite faces of a periodic box: nearer pairs have one image; inf: no box."""
+def largest_reach(frame: Frame) -> float:
+    """Half of the smallest distance of opposite faces of a periodic box: nearer pairs have one image; inf: no box.
+
+    Less what 32 bits of the coordinates may hide. Along axes in which all particles are in one plane there are no
+    images. frame: with the box.
+    """
+    box = frame.box
     if box is None:
         return float("inf")
     edges = box.vectors + np.diag((np.abs(box.vectors).sum(axis=1) == 0).astype(np.float64))
     heights = 1 / np.linalg.norm(np.linalg.inv(edges), axis=0)
-    around = box.periodic & (np.abs(box.vectors).sum(axis=1) > 0)
-    return float(heights[around].min(initial=np.inf)) / 2
+    return float(heights[_around(frame)].min(initial=np.inf)) / 2 - _margin(frame)
+
+
+def _around(frame: Frame) -> NDArray[np.bool_]:
+    """Axes along which a frame has images that particles may be near to, (3,)."""
+    box = frame.box
+    if box is None:
+        return np.zeros(3, dtype=bool)
+    return box.periodic & (np.abs(box.vectors).sum(axis=1) > 0) & ~flat_axes(frame.positions)
+
+
+def _margin(frame: Frame) -> float:
+    """What 32 bits of coordinates and edges may hide of a distance, length."""
+    extent = float(np.ptp(frame.positions, axis=0).max()) if len(frame.ids) else 0.0
+    edges = 0.0 if frame.box is None else float(np.abs(frame.box.vectors).sum())
+    return 16 * SINGLE.relative * (extent + edges)
 
 
 def _for_mdanalysis(frame: Frame, reach: float) -> tuple[Any, Any]:
@@ -63,7 +82,7 @@ def _for_mdanalysis(frame: Frame, reach: float) -> tuple[Any, Any]:
     if box is None:
         vectors = np.diag(room)
     else:
-        around = box.periodic & (np.abs(box.vectors).sum(axis=1) > 0)
+        around = _around(frame)
         vectors = np.where(around[:, None], box.vectors, np.diag(room))
         positions = frame.positions - box.lower
         images = np.floor(positions @ np.linalg.inv(vectors)) * around

@@ -20,7 +20,7 @@ from crosscheck.engines.registry import engine_names, engine_order
 from crosscheck.errors import UsageError
 from crosscheck.files import naming
 from crosscheck.record import Line, case_name, deciding, is_left_out, read, shown
-from crosscheck.report import figures, numbers, pictures
+from crosscheck.report import figures, pictures
 from crosscheck.report.catches import scores, together
 from crosscheck.report.pages import templates
 from crosscheck.runner import select
@@ -155,10 +155,6 @@ def render(lines: list[Line], title: str) -> str:
         _draw(group, f"f{number}")
     environment = templates()
     environment.filters.update(
-        measured=numbers.measured,
-        expected=numbers.expected,
-        deviation=numbers.deviation,
-        sensitivity=numbers.sensitivity,
         kind=_kind,
         deciding=deciding,
         remark=_remark,

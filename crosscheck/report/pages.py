@@ -25,6 +25,14 @@ def templates() -> jinja2.Environment:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters.update(seconds=numbers.seconds, number=numbers.count, svg=Markup)
+    environment.filters.update(
+        seconds=numbers.seconds,
+        number=numbers.count,
+        measured=numbers.measured,
+        expected=numbers.expected,
+        deviation=numbers.deviation,
+        sensitivity=numbers.sensitivity,
+        svg=Markup,
+    )
     environment.globals.update(palette=figures.PALETTE, colour_map=painter.colours())
     return environment

@@ -37,7 +37,7 @@ class _Overlaps(Collector):
         reach = _DENSEST * self._spacing
         if setting.hard and diameters is not None:
             reach = 1.01 * float(diameters.max())
-        limit = largest_reach(frame.box)
+        limit = largest_reach(frame)
         found = pairs_within(frame, min(reach, limit))
         if setting.scene is not None and not setting.moving.all():
             free = setting.moving[found.first] | setting.moving[found.second]
@@ -118,7 +118,7 @@ def _begin(setting: Setting) -> Collector | str:
         reach = 1.01 * float(setting.diameters.max())
         if reach == 0:
             return "all diameters are 0"
-    if setting.hard and reach > largest_reach(setting.first.box):
+    if setting.hard and reach > largest_reach(setting.first):
         return "the box is smaller than two diameters: a particle is near several images of another"
     return _Overlaps(setting)
 

@@ -139,7 +139,9 @@ def _begin(setting: Setting) -> Collector | str:
         return "it is of particles in a plane or in space"
     if not box.periodic[list(setting.axes)].all():
         return "the box is not periodic along all axes, and walls change it"
-    reach = min(largest_reach(box), _REACH * spacing(setting.first))
+    reach = min(largest_reach(setting.first), _REACH * spacing(setting.first))
+    if not reach > 0:
+        return "the first frame has positions that are not finite"
     return _RadialDistribution(setting, reach)
 
 

@@ -172,7 +172,7 @@ def test_clocks() -> None:
         (Units("nm", "ps", "nm/ps"), True),
         (Units("nm", "fs", "nm/ps"), False),
         (Units("nm", "step", "nm/ps"), False),
-        (Units("of the scene", "of the scene", "of the scene"), True),
+        (Units(), True),
     ):
         assert setting_of(replace(flying(), units=units), None, Options()).clock.same_unit == same
 
