@@ -3,10 +3,11 @@
     python benchmarks/inspections.py [--seeds K] [--kind NAME ...]
 
 Right trajectories of equilibrium, K of each kind with seeds 0 to K - 1: Lennard-Jones fluids and hard spheres of one
-and of two species by `refimpl`, hard disks between thermal walls, particles of Ornstein and Uhlenbeck (exact),
-velocities drawn anew in each frame, and files of them: wrapped, with six digits, without velocities, short, or sampled
-densely. Each is inspected with its scene and without. Printed: runs, judgements, how many are red or inconclusive, and
-the smallest p-value over the number of judgements, which is near 1 or above if p-values are uniform.
+and of two species by `refimpl`, hard disks between thermal walls, particles of Ornstein and Uhlenbeck (exact), waves of
+a harmonic crystal (exact), velocities drawn anew in each frame, and files of them: wrapped, with six digits, without
+velocities, short, or sampled densely. Each is inspected with its scene and without. Printed: runs, judgements, how many
+are red or inconclusive, and the smallest p-value over the number of judgements, which is near 1 or above if p-values
+are uniform.
 
 Then the faults: each is planted in trajectories of several kinds and seeds; printed is how often the property meant
 turns red, and what else does.
@@ -46,6 +47,7 @@ class Run(NamedTuple):
     wrapped: bool = False
     digits: int | None = None
     periodic: tuple[bool, bool, bool] = (True, True, True)
+    homogeneous: bool = True
 
 
 # -- right trajectories ------------------------------------------------------------------------------------------
@@ -154,6 +156,30 @@ def free_flight(seed: int, frames: int = 200, number: int = 60) -> Run:
     return Run(times, x, np.broadcast_to(v, x.shape).copy(), np.ones(number), None, None, sides, None)
 
 
+def harmonic_crystal(seed: int, frames: int = 300, edge: int = 5) -> Run:
+    """Particles on a cubic lattice, with springs between neighbours for each component: waves keep their energies.
+
+    Exact: w^2 = 4 K sum sin^2(k_a/2) for the wave vector k, with energies and phases of the canonical ensemble.
+    """
+    rng = np.random.default_rng(seed)
+    number = edge**3
+    squares = np.sin(np.pi * np.arange(edge) / edge) ** 2
+    w = 20 * np.sqrt(squares[:, None, None] + squares[:, None] + squares)[..., None]
+    turns = np.where(w > 0, w, np.inf)  # the centre of mass is at rest
+    drawn = np.fft.fftn(rng.normal(size=(2, edge, edge, edge, 3)), axes=(1, 2, 3)) * (w > 0)
+    places, speeds = drawn[0] / turns, drawn[1]
+    times = 0.37 * np.arange(frames)
+    sites = np.stack(np.meshgrid(*[np.arange(float(edge))] * 3, indexing="ij"), axis=-1)
+    x, v = np.empty((frames, number, 3)), np.empty((frames, number, 3))
+    for k, time in enumerate(times):
+        cosine, sine = np.cos(w * time), np.sin(w * time)
+        moved = np.fft.ifftn(places * cosine + speeds / turns * sine, axes=(0, 1, 2)).real
+        x[k] = (sites + moved).reshape(number, 3)
+        v[k] = np.fft.ifftn(speeds * cosine - places * w * sine, axes=(0, 1, 2)).real.reshape(number, 3)
+    sides = np.full(3, float(edge))
+    return Run(times, x, v, np.ones(number), None, None, sides, None, homogeneous=False)
+
+
 def wrapped(run: Run) -> Run:
     sides = np.where(np.array(run.periodic) & (run.sides > 0), run.sides, np.inf)
     folded = np.where(np.isfinite(sides), run.positions % np.where(np.isfinite(sides), sides, 1.0), run.positions)
@@ -185,6 +211,7 @@ MADE: dict[str, Callable[[Pool, int], Run]] = {
     "Ornstein-Uhlenbeck": lambda pool, seed: ornstein_uhlenbeck(seed),
     "Ornstein-Uhlenbeck, dense in time": lambda pool, seed: ornstein_uhlenbeck(seed, frames=600, dt=0.05),
     "Ornstein-Uhlenbeck, short": lambda pool, seed: ornstein_uhlenbeck(seed, frames=25),
+    "harmonic crystal": lambda pool, seed: harmonic_crystal(seed),
     "free flight": lambda pool, seed: free_flight(seed),
     "normals": lambda pool, seed: normals(seed),
     "normals, 600 particles": lambda pool, seed: normals(seed, 100, 600),
@@ -219,7 +246,7 @@ def inspected(run: Run, how: str) -> Inspection:
         return inspect_trajectory(source, run.scene)
     hard = run.diameters is not None
     if how == "nothing":
-        return inspect_trajectory(source, None, Options(hard=hard, homogeneous=True))
+        return inspect_trajectory(source, None, Options(hard=hard, homogeneous=run.homogeneous))
     temperature = None if run.temperature is None else repr(run.temperature)
     return inspect_trajectory(source, None, Options(ensemble=run.ensemble, temperature=temperature, hard=hard))
 

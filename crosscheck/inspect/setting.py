@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.compare.differences import spacing
 from crosscheck.compare.growth import EPSILON
 from crosscheck.errors import UsageError
 from crosscheck.files import shown_path
@@ -124,6 +125,11 @@ class Setting:
         assert self.masses is not None
         return self.masses[self.moving]
 
+    @cached_property
+    def spacing(self) -> float:
+        """Distance of neighbours, length: that of the particles of the first frame spread over its box."""
+        return spacing(self.first)
+
     @property
     def freedoms(self) -> int:
         """Degrees of freedom of the motion about the centre of mass."""
@@ -216,7 +222,7 @@ def setting_of(source: Source, scene: Scene | None, options: Options) -> Setting
     ensemble = options.ensemble or ("equilibrium" if scene is None else _ensemble(scene))
     temperature = None
     if options.temperature is not None:
-        temperature = _temperature(options.temperature, source)
+        temperature = _temperature(options.temperature, source, unknown_masses=bool(said))
     elif scene is not None and options.ensemble in (None, "nvt"):
         temperature = _wall_temperature(scene)
     count = len(source)
@@ -360,8 +366,8 @@ def _method(scene: Scene) -> Method:
     return scene.method or Method(scheme="any")
 
 
-def _temperature(text: str, source: Source) -> float:
-    """k_B T in the file's mass velocity^2, from a number in that unit or in kelvin."""
+def _temperature(text: str, source: Source, *, unknown_masses: bool) -> float:
+    """k_B T in the file's mass velocity^2, from a number in that unit or in kelvin; then masses must be known."""
     match = re.fullmatch(r"([0-9.eE+-]+?)\s*(K?)", text.strip())
     try:
         value = float(match[1]) if match else float("nan")
@@ -371,6 +377,8 @@ def _temperature(text: str, source: Source) -> float:
         raise UsageError(f"--temperature {text}: give a number above 0 in mass velocity^2 of the file, or as 300K")
     if match is None or not match[2]:
         return value
+    if unknown_masses:
+        raise UsageError(f"--temperature {text}: {shown_path(source.path)} states no masses: give --mass TYPE=MASS")
     return in_energy(value, source)
 
 

@@ -28,7 +28,7 @@ class _Equipartition(Collector):
         number = len(setting.names)
         self._species = species
         self._weights = np.bincount(species, minlength=number) - np.bincount(species, masses, number) / masses.sum()
-        self._samples = Samples()
+        self._samples = Samples(setting)
         self._axes: list[Floats] = []
         self._of_species: list[Floats] = []
 
@@ -68,8 +68,19 @@ class _Equipartition(Collector):
             # a share of the kinetic energy has the beta distribution, by f_s of f degrees of freedom
             variance = 2 * max(total - part, 0.0) / (part * (total + 2))
             mean = self._samples.mean(values, variance)
+            kept, reason = self._samples.doubt(variance, once)
             judged.append(
-                statistical(quantity, mean.value, mean.error, 1.0, 0.0, why, samples=mean, doubt=doubt, once=once)
+                statistical(
+                    quantity,
+                    mean.value,
+                    mean.error,
+                    1.0,
+                    0.0,
+                    why + reason,
+                    samples=mean,
+                    doubt=doubt + kept,
+                    once=once,
+                )
             )
         return Told(tuple(judged), tuple(said))
 

@@ -49,7 +49,7 @@ class _Maxwell(Collector):
         self._fourth: list[Floats] = []
         self._second: list[Floats] = []
         self._counts: list[Any] = []
-        self._samples = Samples()
+        self._samples = Samples(setting)
         self._speeds = np.zeros(_SPEEDS)
         self._frames = 0
 
@@ -87,8 +87,9 @@ class _Maxwell(Collector):
             for column, axis in enumerate(setting.axes):
                 what = f"v_{AXES[axis]}{of}"
                 number = int(self._numbers[kind])
-                mean = _kurtosis(self._samples, fourth[:, kind, column], second[:, kind, column], number)
-                judged.append(self._of_moment(what, mean, once))
+                variance = _variance(number)
+                mean = _kurtosis(self._samples, fourth[:, kind, column], second[:, kind, column], variance)
+                judged.append(self._of_moment(what, mean, self._samples.doubt(variance, once), once))
                 if setting.constraints + setting.rotations:
                     continue
                 found = self._by_bins(what, counts[:, kind, column], mean.independent, once)
@@ -98,14 +99,15 @@ class _Maxwell(Collector):
                     judged.append(found)
         return Told(tuple(judged), tuple(said), self._figures())
 
-    def _of_moment(self, what: str, mean: Mean, once: float) -> Judgement:
+    def _of_moment(self, what: str, mean: Mean, kept: tuple[float, str], once: float) -> Judgement:
+        """<v^4>/<v^2>^2 of a component. kept: the doubt of waves that keep their energies."""
         setting = self._setting
         freedom = setting.number - 1
-        why = "a component of a vector whose direction is uniform, 3 f/(f + 2), f = n - 1"
-        doubt = 0.0
+        doubt, more = kept
+        why = f"a component of a vector whose direction is uniform, 3 f/(f + 2), f = n - 1{more}"
         taken = setting.constraints + setting.rotations
         if taken:  # as many directions of the sphere, and their share of the fourth moment
-            doubt = 3 * min(taken / freedom, 1.0)
+            doubt += 3 * min(taken / freedom, 1.0)
             why += f"; the doubt is that of {taken} directions that rotation or constraints take"
         return statistical(
             f"<{what}^4>/<{what}^2>^2",
@@ -158,17 +160,22 @@ class _Maxwell(Collector):
         return (Figure("Speeds", "v / (T/m)^(1/2)", "probability density", series=series),)
 
 
-def _kurtosis(samples: Samples, fourth: Floats, second: Floats, number: int) -> Mean:
+def _variance(n: int) -> float:
+    """Of <y^4>/<y^2>^2 of one frame of n normal components: 24 n (n - 2) (n - 3)/((n + 1)^2 (n + 3) (n + 5)).
+
+    R. A. Fisher, Proc. London Math. Soc. 30, 199 (1930).
+    """
+    return 24 * n * (n - 2) * (n - 3) / ((n + 1) ** 2 * (n + 3) * (n + 5)) if n > 3 else 0.0
+
+
+def _kurtosis(samples: Samples, fourth: Floats, second: Floats, variance: float) -> Mean:
     """<y^4>/<y^2>^2 of a series of means (F,) of y^4 and of y^2, with the error of that of its linearised series.
 
-    Of one frame of n normal components it has the variance 24 n (n - 2) (n - 3)/((n + 1)^2 (n + 3) (n + 5)) (R. A.
-    Fisher, Proc. London Math. Soc. 30, 199 (1930)).
+    variance: of one frame, if all is right.
     """
-    n = number
     a, b = float(fourth.mean()), float(second.mean())
     linear = fourth / b**2 - 2 * a * second / b**3
-    variance = 24 * n * (n - 2) * (n - 3) / ((n + 1) ** 2 * (n + 3) * (n + 5)) if n > 3 else 0.0
-    return samples.mean(linear, max(variance, 0.0))._replace(value=a / b**2)
+    return samples.mean(linear, variance)._replace(value=a / b**2)
 
 
 def _begin(setting: Setting) -> Collector | str:

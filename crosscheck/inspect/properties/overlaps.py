@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.compare.differences import spacing
 from crosscheck.inspect.pairs import Pairs, largest_reach, pairs_within
 from crosscheck.inspect.property import Collector, Property, Told, none_of
 from crosscheck.inspect.setting import Setting
@@ -25,7 +24,6 @@ _ROUNDINGS = 16
 class _Overlaps(Collector):
     def __init__(self, setting: Setting) -> None:
         self._setting = setting
-        self._spacing = spacing(setting.first)
         # ratio (or length), frame, ids of both, and what rounding allows the ratio
         self._nearest: tuple[float, int, int, int, float] = (np.inf, 0, 0, 0, 0.0)
         self._coincident = 0
@@ -34,7 +32,7 @@ class _Overlaps(Collector):
     def add(self, view: View) -> None:
         setting, frame = self._setting, view.frame
         diameters = setting.diameters if frame.diameters is None or setting.scene is not None else frame.diameters
-        reach = _DENSEST * self._spacing
+        reach = _DENSEST * setting.spacing
         if setting.hard and diameters is not None:
             reach = 1.01 * float(diameters.max())
         limit = largest_reach(frame)
@@ -82,7 +80,7 @@ class _Overlaps(Collector):
     def judge(self, once: float) -> Told:
         ratio, frame, first, second, allowed = self._nearest
         if not np.isfinite(ratio):
-            far = "1.01 of the largest diameter" if self._setting.hard else f"{_DENSEST * self._spacing:.4g}"
+            far = "1.01 of the largest diameter" if self._setting.hard else f"{_DENSEST * self._setting.spacing:.4g}"
             return Told((), (f"no two particles come nearer to each other than {far}.",))
         where = f"particles {first} and {second} in frame {frame} (counted from 0)"
         if self._setting.hard:
@@ -102,7 +100,7 @@ class _Overlaps(Collector):
         positions = setting.first.positions
         unit = 2 * setting.source.rounding["positions"].of(positions).max(initial=0.0)
         number = len(positions)
-        share = (float(unit) / self._spacing) ** len(setting.axes) / number
+        share = (float(unit) / setting.spacing) ** len(setting.axes) / number
         return 0.5 * number**2 * share * self._frames
 
 
@@ -113,7 +111,7 @@ def _of(pairs: Pairs, chosen: NDArray[np.bool_]) -> Pairs:
 def _begin(setting: Setting) -> Collector | str:
     if len(setting.first.ids) < 2:
         return "there is one particle"
-    reach = _DENSEST * spacing(setting.first)
+    reach = _DENSEST * setting.spacing
     if setting.hard and setting.diameters is not None:
         reach = 1.01 * float(setting.diameters.max())
         if reach == 0:

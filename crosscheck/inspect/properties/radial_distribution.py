@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from crosscheck.compare.differences import spacing
 from crosscheck.figure import Figure, Series
 from crosscheck.inspect.pairs import largest_reach, pairs_within
 from crosscheck.inspect.property import Collector, Property, Told
@@ -112,7 +111,7 @@ class _RadialDistribution(Collector):
         """1, and in a tail that is longer than a wave of g(r) the distance from its middle, over half of its length."""
         middle, length = (self._edges[1:] + self._edges[:-1]) / 2, (1 - _FAR) * self._reach
         columns = [np.ones_like(middle)]
-        if length > _WAVE * spacing(self._setting.first):
+        if length > _WAVE * self._setting.spacing:
             columns.append((middle - (1 + _FAR) / 2 * self._reach) / (length / 2))
         return np.stack(columns, axis=1)
 
@@ -139,7 +138,7 @@ def _begin(setting: Setting) -> Collector | str:
         return "it is of particles in a plane or in space"
     if not box.periodic[list(setting.axes)].all():
         return "the box is not periodic along all axes, and walls change it"
-    reach = min(largest_reach(setting.first), _REACH * spacing(setting.first))
+    reach = min(largest_reach(setting.first), _REACH * setting.spacing)
     if not reach > 0:
         return "the first frame has positions that are not finite"
     return _RadialDistribution(setting, reach)

@@ -23,7 +23,7 @@ _ROUNDING = 1e-9
 class _Temperature(Collector):
     def __init__(self, setting: Setting) -> None:
         self._setting = setting
-        self._samples = Samples()
+        self._samples = Samples(setting)
         self._values: list[float] = []
 
     def add(self, view: View) -> None:

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.compare.differences import spacing
 from crosscheck.inspect.property import Collector, Property, Told, none_of
 from crosscheck.inspect.setting import Setting
 from crosscheck.inspect.view import View
@@ -37,7 +36,6 @@ class _Wrapping(Collector):
         self._jumps = 0
         self._first: _Jump | None = None
         self._usual = np.zeros(3)
-        self._spacing = spacing(setting.first)
 
     def add(self, view: View) -> None:
         box = view.frame.box
@@ -86,7 +84,7 @@ class _Wrapping(Collector):
             "some particles leave the box and some return to it by an edge: a code that returns them from time to "
             "time, with its lists of neighbours, does so before they have gone as far as the distance of neighbours"
         )
-        judged = bounded("largest distance of a position from the box", beyond, self._spacing, why, note=where)
+        judged = bounded("largest distance of a position from the box", beyond, self._setting.spacing, why, note=where)
         return Told(
             (judged,), (f"positions are wrapped into the box, and in {self._outside} frames some are outside.",)
         )

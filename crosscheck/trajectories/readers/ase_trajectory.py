@@ -30,6 +30,7 @@ class _Trajectory(Source):
     def _frame(self, index: int) -> Frame:
         """The numbers as they stand in the file; velocities are momenta over masses, which are the file's, or ASE's."""
         atoms = self._file[index]
+        moving = "momenta" in atoms.arrays
         names = np.array(atoms.get_chemical_symbols())
         cell = np.array(atoms.cell, dtype=np.float64)
         return Frame(
@@ -37,9 +38,9 @@ class _Trajectory(Source):
             None,
             np.arange(1, len(atoms) + 1),
             atoms.arrays["positions"],
-            np.asarray(atoms.get_velocities()) if "momenta" in atoms.arrays else None,
+            np.asarray(atoms.get_velocities()) if moving else None,
             types=None if (names == "X").all() else names,
-            masses=atoms.arrays.get("masses"),
+            masses=np.asarray(atoms.get_masses()) if moving else atoms.arrays.get("masses"),
             box=Box(cell, np.zeros(3), np.array(atoms.pbc)) if cell.any() else None,
         )
 

@@ -231,7 +231,8 @@ def _as_frame(rows: list[bytes], known: dict[str, Any], time: float, step: int |
     number = len(rows)
     velocities, types, masses = found.get("velocities"), found.get("types"), found.get("masses")
     if velocities is None and "momenta" in found:
-        velocities = found["momenta"] / (_masses_of(types) if masses is None else masses)[:, None]
+        masses = _masses_of(types) if masses is None else masses
+        velocities = found["momenta"] / masses[:, None]
     if types is not None and types.dtype.kind == "f":
         types = whole("types", types)
     elif types is not None and (types == "X").all():
@@ -282,7 +283,7 @@ def _lost(head: _Head, rows: list[bytes]) -> Iterator[str]:
     if unnamed:
         yield "it has columns without names (no key Properties), which are not read."
     if "momenta" in used and "velocities" not in used:
-        yield "its velocities are momenta over masses."
+        yield "its velocities are momenta over masses, the file's or those of ASE."
 
 
 def _rounding(head: _Head, rows: list[bytes]) -> dict[str, Rounding]:

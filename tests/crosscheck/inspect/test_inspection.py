@@ -127,3 +127,11 @@ def test_the_same_file_gives_the_same_numbers() -> None:
     assert [judgement.as_record() for judgement in one.judgements] == [
         judgement.as_record() for judgement in other.judgements
     ]
+
+
+@pytest.mark.parametrize("seed", [12, 26])
+def test_a_crystal_whose_waves_keep_their_energies_is_not_red(seed: int) -> None:
+    """By the scatter from frame to frame, the fourth moments of these are nine standard errors off."""
+    inspection = inspect_trajectory(PLANTED.source_of(PLANTED.harmonic_crystal(seed)))
+    assert red(inspection) == set()
+    assert max(one.sigmas for one in told(inspection, "Maxwell's distribution") if one.uncertainty) > 6

@@ -7,12 +7,13 @@ import pytest
 from inspected import PLANTED, flying
 
 from crosscheck.inspect.samples import Samples, apart
-from crosscheck.inspect.setting import Options, setting_of
+from crosscheck.inspect.setting import Ensemble, Options, setting_of
 from crosscheck.inspect.view import View
 
 
-def samples(source: object) -> Samples:
-    setting, found, before = setting_of(source, None, Options()), Samples(), None
+def samples(source: object, ensemble: Ensemble | None = None) -> Samples:
+    setting, before = setting_of(source, None, Options(ensemble=ensemble)), None
+    found = Samples(setting)
     for index in range(len(source)):
         before = View(setting, index, source.read(index), before)
         found.add(before)
@@ -45,6 +46,18 @@ def test_the_error_of_one_sample_is_that_of_its_law() -> None:
     noise = np.random.default_rng(1).normal(size=60)
     assert many.mean(noise, 0.04).error == pytest.approx(1 / 60**0.5, rel=0.5)
     assert many.independent(noise) > 30
+
+
+def test_waves_of_a_crystal_may_keep_their_energies() -> None:
+    """But for those of a bath; and particles that leave their places have none."""
+    crystal = PLANTED.source_of(PLANTED.harmonic_crystal(1, frames=60, edge=3))
+    gas = PLANTED.source_of(PLANTED.ornstein_uhlenbeck(1, frames=60))
+    assert [samples(crystal).waves, samples(crystal, "nvt").waves, samples(gas).waves] == [True, False, False]
+    found = samples(crystal)
+    assert found.doubt(0.04, 1e-3)[0] == pytest.approx(3.29 * 0.2, rel=1e-3)
+    assert found.independent(np.random.default_rng(1).normal(size=60)) == 1.0
+    assert samples(gas).doubt(0.04, 1e-3) == (0.0, "")
+    assert samples(flying()).doubt(0.04, 1e-3)[0] == 0.0  # one sample of all, which has that error
 
 
 @pytest.mark.parametrize(

@@ -84,6 +84,14 @@ def test_the_temperature_is_that_of_thermal_walls_or_of_the_user() -> None:
     assert setting_of(metal, None, Options(temperature="300 K")).temperature == pytest.approx(249.43, rel=1e-4)
 
 
+def test_kelvin_needs_masses() -> None:
+    source = replace(flying(masses=None), units=Units("nm", "ps", "nm/ps"))
+    with pytest.raises(UsageError, match="states no masses: give --mass TYPE=MASS"):
+        setting_of(source, None, Options(temperature="300K"))
+    given = setting_of(source, None, Options(temperature="300K", masses={"all": 18.0}))
+    assert given.temperature == pytest.approx(2.4943, rel=1e-4)
+
+
 @pytest.mark.parametrize("text", ["0", "-1", "hot", "300 C", "nan", "inf", "K", ""])
 def test_temperatures_that_are_none(text: str) -> None:
     with pytest.raises(UsageError, match="give a number above 0"):

@@ -71,6 +71,9 @@ def test_what_ase_writes(tmp_path: Path) -> None:
     assert beyond(source, "positions", np.array([one.positions for one in images])) <= 1
     assert beyond(source, "velocities", np.array([one.get_velocities() for one in images])) <= 1
     assert any("momenta over masses" in remark for remark in source.remarks)
+    masses = source.read(0).masses
+    assert masses is not None
+    assert masses.tolist() == [39.948] * 4 + [83.798] * 6
     box = source.read(1).box
     assert box is not None
     assert box.vectors.tolist() == [[5, 0, 0], [1, 6, 0], [0, 0, 7]]
