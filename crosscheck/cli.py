@@ -485,6 +485,8 @@ def main() -> None:
     from crosscheck.errors import EngineError, UsageError
 
     _open_standard_streams()
+    # this process multiplies small matrices alone, for which threads wait longer than they compute
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):  # names of files may hold bytes that the terminal's encoding has not
         sys.stdout.reconfigure(errors="backslashreplace")
     try:

@@ -4,6 +4,9 @@ import os
 from collections.abc import Callable, Iterator
 from types import ModuleType
 
+# as in `crosscheck.cli.main`; it is read when numpy is imported
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 import pytest
 from hypothesis import settings

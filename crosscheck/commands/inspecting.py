@@ -156,7 +156,9 @@ def _print(inspection: Inspection, trajectory: Path) -> None:
     counts: Counter[str] = Counter(judgement.outcome for judgement in inspection.judgements)
     summary = ", ".join(f"{counts[outcome]} {outcome}" for outcome in COLOURS if counts[outcome])
     unsaid = sum(bool(one.unsaid) for one in inspection.found)
-    print(f"{summary}; {unsaid} properties cannot be said" if unsaid else summary)
+    if unsaid:
+        summary += f"; {unsaid} {'property' if unsaid == 1 else 'properties'} cannot be said"
+    print(summary)
     print(
         f"false alarms: a right trajectory is red with the probability {inspection.false_alarms:.1g}, of all "
         "statistical judgements together"

@@ -20,6 +20,8 @@ from crosscheck.statistics import correlated_mean, student_quantile
 from crosscheck.trajectories.frames import Floats
 from crosscheck.verdict import LEAST_FREEDOM, LEAST_SAMPLES, Judgement, bounded
 
+#: Part of the largest reach that the box of the first frame allows: boxes at constant pressure change.
+_ROOM = 0.95
 #: Reach, in distances of neighbours; shells; part of the reach that counts as far; most frames that are looked at, and
 #: most particles whose pairs are counted in one; length of the waves of g(r), in distances of neighbours.
 _REACH, _SHELLS, _FAR, _FRAMES, _PARTICLES, _WAVE = 5.0, 100, 0.7, 100, 500, 1.1
@@ -31,6 +33,7 @@ class _RadialDistribution(Collector):
         count = len(setting.source) - setting.begin
         self._every = max(1, -(-count // _FRAMES))
         self._found: list[Floats] = []
+        self._small = 0
         dimension = len(setting.axes)
         self._edges = np.linspace(0.0, reach, _SHELLS + 1)
         ball = math.pi if dimension == 2 else 4 / 3 * math.pi
@@ -41,6 +44,9 @@ class _RadialDistribution(Collector):
     def add(self, view: View) -> None:
         setting, frame = self._setting, view.frame
         if view.index < setting.begin or (view.index - setting.begin) % self._every:
+            return
+        if largest_reach(frame) < self._reach:
+            self._small += 1
             return
         number = len(frame.ids)
         chosen = np.arange(0, number, -(-number // _PARTICLES))
@@ -57,6 +63,8 @@ class _RadialDistribution(Collector):
         g = np.array(self._found)
         mean, middle = g.mean(axis=0), (self._edges[1:] + self._edges[:-1]) / 2
         said = [self._first_peak(mean, middle)]
+        if self._small:
+            said.append(f"{self._small} frames are left out, whose box is smaller than that of the first by far.")
         curve = Series("g(r)", middle.tolist(), mean.tolist())
         uniform = Series("uniform", [0.0, self._reach], [1.0, 1.0], theory=True)
         figure = Figure("Radial distribution function", "r", "g(r)", series=(curve, uniform))
@@ -138,7 +146,7 @@ def _begin(setting: Setting) -> Collector | str:
         return "it is of particles in a plane or in space"
     if not box.periodic[list(setting.axes)].all():
         return "the box is not periodic along all axes, and walls change it"
-    reach = min(largest_reach(setting.first), _REACH * setting.spacing)
+    reach = min(_ROOM * largest_reach(setting.first), _REACH * setting.spacing)
     if not reach > 0:
         return "the first frame has positions that are not finite"
     return _RadialDistribution(setting, reach)

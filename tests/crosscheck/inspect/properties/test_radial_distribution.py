@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 from inspected import cube, flying, judged, of_property, said
 
-from crosscheck.trajectories.frames import Box
+from crosscheck.trajectories.frames import Box, Frame
+from crosscheck.trajectories.memory import InMemory
 
 NAME = "radial distribution"
 
@@ -41,9 +43,9 @@ def test_in_a_plane_of_any_thickness() -> None:
 
 def test_a_box_that_does_not_fit() -> None:
     """The density is that of the box: with one that is too large g(r) does not go to 1."""
-    source = scattered(1, frames=25, number=520)
-    assert judged(source, NAME, homogeneous=True, skip=0.0)[0].outcome == "pass"
-    wide = scattered(1, frames=25, number=520, box=cube(6.5))
+    source = scattered(1, frames=20, number=1500)
+    assert judged(source, NAME, homogeneous=True, skip=0.0)[0].outcome != "fail"
+    wide = scattered(1, frames=20, number=1500, box=cube(6.5))
     assert judged(wide, NAME, homogeneous=True, skip=0.0)[0].outcome == "fail"
     assert judged(wide, NAME) == ()
     assert "--homogeneous asks for 1" in said(wide, NAME)
@@ -51,10 +53,27 @@ def test_a_box_that_does_not_fit() -> None:
 
 def test_the_waves_of_a_crystal_are_a_doubt_and_no_fault() -> None:
     sites = np.stack(np.meshgrid(*[np.arange(4) * 1.25] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    x = sites + 0.05 * np.random.default_rng(1).normal(size=(40, 64, 3))
-    (one,) = judged(flying(frames=40, number=64, positions=x, velocities=None), NAME, homogeneous=True)
+    x = sites + 0.05 * np.random.default_rng(1).normal(size=(100, 64, 3))
+    (one,) = judged(flying(frames=100, number=64, positions=x, velocities=None), NAME, homogeneous=True)
     assert one.outcome == "pass"
     assert one.expected > 0.2, "what it could see is little, and that is stated"
+
+
+@dataclass(frozen=True)
+class _Breathing(InMemory):
+    """Boxes whose edges change from frame to frame, as at constant pressure."""
+
+    change: float = 0.0
+
+    def _frame(self, index: int) -> Frame:
+        return super()._frame(index)._replace(box=cube(5 * (1 + self.change * (-1) ** (index // 2))))
+
+
+@pytest.mark.parametrize(("change", "left_out"), [(0.02, ""), (0.2, "20 frames are left out")])
+def test_boxes_that_change(change: float, left_out: str) -> None:
+    text = said(_Breathing(**vars(scattered(1, frames=40)), change=change), NAME, skip=0.0)
+    assert ("left out" in text) == bool(left_out)
+    assert left_out in text
 
 
 def test_the_first_peak_is_told() -> None:
