@@ -139,13 +139,15 @@ def _print_replicas(
     names = [shown_path(source.path) for source in sources]
     stayed = len(sources) - len(found.left)
     print(f"{len(sources)} runs, {found.frames} common frames; {stayed} are the same to the last bit")
+    for text in found.remarks:
+        print(f"remark: {text}")
     if not found.left:
         return Status.PASSED
     statuses = []
     first = True
     for member, place in sorted(found.left.items(), key=lambda pair: (pair[1], pair[0])):
         pair = _of_two(sources[found.reference], sources[member], mode, asked, rate, lambda done, total: None)
-        print(f"\n{names[member]} left the others at t = {found.times[place]:g}:")
+        print(f"\n{names[member]} left the others at {found.when(place)}:")
         _print_findings(pair)
         statuses.append(status(pair.classed, mode))
         if first:
@@ -191,10 +193,9 @@ def _print(found: Comparison) -> None:
 def _print_findings(found: Comparison) -> None:
     for title, one in (("first bits that differ", found.bits), ("first beyond the files' rounding", found.beyond)):
         if one is not None:
-            step = "" if found.steps is None else f", step {found.steps[one.pair]}"
             print(
-                f"{title}: t = {found.gaps[one.pair].time:g}{step}, {VECTORS[one.quantity]} {'xyz'[one.axis]} of "
-                f"particle {one.particle}: {one.first!r} against {one.second!r} (rounding {one.rounding:.1e})"
+                f"{title}: {found.when(one.pair)}, {VECTORS[one.quantity]} {'xyz'[one.axis]} of particle "
+                f"{one.particle}: {one.first!r} against {one.second!r} (rounding {one.rounding:.1e})"
             )
     print(found.sentence)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.compare.pairing import Pairing
-from crosscheck.trajectories.frames import DOUBLE, Box, Floats, Frame, Integers, Rounding, Source
+from crosscheck.trajectories.frames import DOUBLE, QUANTITIES, Box, Floats, Frame, Integers, Rounding, Source
 
 #: Vectors of a frame that are compared, and what one of their components is called.
 VECTORS = {"positions": "position", "velocities": "velocity", "spins": "angular velocity"}
@@ -72,25 +72,57 @@ def gaps(one: Source, other: Source, pairing: Pairing) -> Iterator[Gap]:
     distance is that to the nearest image.
     """
     nearest = "wrapped" in (one.wrapping, other.wrapping)
-    factors = {"positions": pairing.length, "velocities": pairing.velocity, "spins": 1.0}
-    roundings = {name: (one.rounding[name], _converted(other.rounding[name], factors[name])) for name in VECTORS}
-    for number, (mine, yours) in enumerate(zip(pairing.first, pairing.second, strict=True)):
-        first, second = one.read(int(mine)), converted(other.read(int(yours)), pairing)
-        yield gap(number, float(pairing.times[number]), first, second, nearest, roundings)
+    roundings = roundings_of(one, other, pairing)
+    for number in range(len(pairing.first)):
+        yield gap(number, float(pairing.times[number]), *frames_of(one, other, pairing, number), nearest, roundings)
+
+
+def frames_of(one: Source, other: Source, pairing: Pairing, number: int) -> tuple[Frame, Frame]:
+    """A pair of frames in the units of the first trajectory, their boxes periodic as `informed` says.
+
+    one, other: the trajectories. pairing: of their frames. number: of the pair.
+    """
+    first, second = one.read(int(pairing.first[number])), other.read(int(pairing.second[number]))
+    return informed(first, second.box), informed(converted(second, pairing), first.box)
+
+
+def informed(frame: Frame, other: Box | None) -> Frame:
+    """A frame whose box is periodic as the other file states it, where its own file does not.
+
+    Where neither states it, every axis along which one of them may be periodic is. frame: of one file. other: a box of
+    the other file, None: it has none.
+    """
+    if frame.box is None or frame.box.stated or other is None:
+        return frame
+    periodic = other.periodic if other.stated else frame.box.periodic | other.periodic
+    return frame._replace(box=frame.box._replace(periodic=periodic))
 
 
 def converted(frame: Frame, pairing: Pairing) -> Frame:
     """A frame of the second trajectory in the units of the first. pairing: has the factors."""
-    if pairing.length == 1 and pairing.velocity == 1:
+    if pairing.length == pairing.velocity == pairing.spin == 1:
         return frame
     length = pairing.length
-    box = None if frame.box is None else Box(frame.box.vectors * length, frame.box.lower * length, frame.box.periodic)
+    box = frame.box
+    if box is not None:
+        box = box._replace(vectors=box.vectors * length, lower=box.lower * length)
     return frame._replace(
         positions=frame.positions * length,
         velocities=None if frame.velocities is None else frame.velocities * pairing.velocity,
+        spins=None if frame.spins is None else frame.spins * pairing.spin,
         diameters=None if frame.diameters is None else frame.diameters * length,
         box=box,
     )
+
+
+def roundings_of(one: Source, other: Source, pairing: Pairing) -> dict[str, tuple[Rounding, Rounding]]:
+    """By how much the two files have rounded each of `QUANTITIES`, in the units of the first.
+
+    one, other: the trajectories. pairing: has the factors of their units.
+    """
+    factors = dict.fromkeys(("positions", "diameters", "box"), pairing.length)
+    factors |= {"velocities": pairing.velocity, "spins": pairing.spin, "masses": 1.0}
+    return {name: (one.rounding[name], _converted(other.rounding[name], factors[name])) for name in QUANTITIES}
 
 
 def _converted(rounding: Rounding, factor: float) -> Rounding:

@@ -131,7 +131,7 @@ def _dynamics(found: Evidence) -> tuple[Class, str]:
             "chaos_only",
             f"chaos only: the separation grows as exp(lambda t), lambda = {_rate(law)}, from {law.start:.1e} (within a "
             f"factor of {law.factor:.2g}), and rounding explains up to {law.limit:.1e};{_disturbed(gaps[0])} beyond "
-            f"{_CLOCKS[found.clock]} {law.horizon:.4g} single particles need not agree.",
+            f"{later(found.clock, law.horizon)} single particles need not agree.",
         )
     if parting is not None:
         return "different_dynamics", f"different dynamics{_parting(found, growth, parting)}"
@@ -218,8 +218,23 @@ def _largest(gaps: list[Gap]) -> str:
 
 
 def _when(found: Evidence, at: int) -> str:
-    step = "" if found.steps is None or found.clock == "step" else f" (step {found.steps[at]})"
-    return f"{_CLOCKS[found.clock]} {found.gaps[at].time:g}{step}"
+    return moment(found.clock, found.gaps[at].time, None if found.steps is None else found.steps[at])
+
+
+def moment(clock: Clock, time: float, step: int | None) -> str:
+    """The moment of a frame in words: "t = 1.6 (step 320)", "step 320", or "frame 3 (step 320)".
+
+    clock: by what frames are matched. time: of the frame on this clock. step: of the frame; None: it is not known.
+    """
+    if clock == "step":
+        return f"step {time:.0f}"
+    found = f"t = {time:g}" if clock == "time" else f"frame {time:.0f}"
+    return found if step is None else f"{found} (step {step})"
+
+
+def later(clock: Clock, time: float) -> str:
+    """A moment between frames in words, such as the horizon of chaos. clock, time: as in `moment`."""
+    return f"{_CLOCKS[clock]} {time:.4g}"
 
 
 def _capital(text: str) -> str:

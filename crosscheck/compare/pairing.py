@@ -22,8 +22,8 @@ class Pairing(NamedTuple):
     """K pairs of frames. first, second: numbers of the frames, (K,), in the order of their clock.
 
     clock: by what they are matched. times: (K,), of the first trajectory, in its unit; of clocks other than time, the
-    step or the number of the frame. steps: (K,), or None. length, velocity, time: what the second trajectory's numbers
-    are multiplied by to be in the units of the first. remarks: whole sentences.
+    step or the number of the frame. steps: (K,), or None. length, velocity, spin, time: what the second trajectory's
+    numbers are multiplied by to be in the units of the first. remarks: whole sentences.
     """
 
     first: Integers
@@ -33,6 +33,7 @@ class Pairing(NamedTuple):
     steps: Integers | None
     length: float
     velocity: float
+    spin: float
     time: float
     remarks: tuple[str, ...]
 
@@ -78,9 +79,17 @@ def pair(one: Source, other: Source) -> Pairing:
         steps,
         factors["length"],
         factors["velocity"],
+        _of_spins(one, other, factors),
         factors["time"],
         tuple(remarks),
     )
+
+
+def _of_spins(one: Source, other: Source, factors: dict[str, float]) -> float:
+    """The factor of angular velocities, 1/time, in the unit of time that velocities have: a file may have steps in
+    place of times."""
+    named = all(source.units.length and source.units.velocity for source in (one, other))
+    return factors["velocity"] / factors["length"] if named else 1.0
 
 
 def matched_rows(one: Series, other: Series) -> tuple[Integers, Integers, list[str]]:
@@ -112,8 +121,8 @@ def _common(one: Path, here: Floats, other: Path, there: Floats, clock: str) -> 
 
 
 def _clock(one: Source, other: Source, time_factor: float) -> tuple[Clock, Floats, Floats]:
-    """By what frames are matched, and that of each frame."""
-    timed = [np.isfinite(source.times).all() for source in (one, other)]
+    """By what frames are matched, and that of each frame; steps that stand in place of times are no times."""
+    timed = [np.isfinite(source.times).all() and source.units.time != "step" for source in (one, other)]
     if all(timed) and np.isfinite(time_factor):
         return "time", one.times, other.times * time_factor
     if one.steps is not None and other.steps is not None:

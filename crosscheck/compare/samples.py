@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.compare.differences import converted, flat_axes, nearest_image, spacing
+from crosscheck.compare.differences import converted, flat_axes, frames_of, informed, nearest_image, spacing
 from crosscheck.compare.pairing import Pairing
 from crosscheck.statistics import Mean, correlated_mean, seen_beyond, student_probability, student_quantile
 from crosscheck.trajectories.frames import Floats, Frame, Source
@@ -66,10 +66,12 @@ def compare_samples(one: Source, other: Source, pairing: Pairing, begin: float) 
 
     one, other: the trajectories. pairing: of their frames. begin: share of the frames at the start that is left out.
     """
-    first = int(np.ceil(begin * len(pairing.first)))
-    edges = shell_edges(one.read(int(pairing.first[0])))
-    mine = series_of((one.read(int(k)) for k in pairing.first[first:]), one.wrapping == "wrapped", edges)
-    others = (converted(other.read(int(k)), pairing) for k in pairing.second[first:])
+    begins = int(np.ceil(begin * len(pairing.first)))
+    first, second = frames_of(one, other, pairing, 0)
+    edges = shell_edges(first)
+    frames = (informed(one.read(int(k)), second.box) for k in pairing.first[begins:])
+    mine = series_of(frames, one.wrapping == "wrapped", edges)
+    others = (informed(converted(other.read(int(k)), pairing), first.box) for k in pairing.second[begins:])
     yours = series_of(others, other.wrapping == "wrapped", edges)
     return compare_series(mine, yours)
 

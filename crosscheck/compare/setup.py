@@ -1,4 +1,5 @@
-"""Whether two runs have the same particles in the same box: numbers, types, masses, sizes and edges."""
+"""Whether two runs have the same particles in the same box: numbers, types, masses, sizes, edges, and along which of
+them the box is periodic."""
 
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ _EDGES = 4 * SINGLE.relative
 def different_setup(first: Frame, second: Frame, roundings: dict[str, tuple[Rounding, Rounding]]) -> list[str]:
     """What is different in the set-up of two runs, as sentences; empty if nothing is.
 
-    first, second: first common frames, in the same units. roundings: quantity -> of both files. What one file does not
-    state is not compared.
+    first, second: first common frames, in the same units. roundings: quantity -> of both files, in these units. What
+    one file does not state is not compared.
     """
     found = []
     mine, yours = len(first.ids), len(second.ids)
@@ -55,7 +56,23 @@ def different_setup(first: Frame, second: Frame, roundings: dict[str, tuple[Roun
         if (np.abs(edges[0] - edges[1]) > allowed)[both].any():
             sides = [" x ".join(f"{side:.8g}" for side in np.linalg.norm(one, axis=1)) for one in edges]
             found.append(f"the edges of the box are {sides[0]} against {sides[1]}")
+        found += _periodic(first, second)
     return found
+
+
+def _periodic(first: Frame, second: Frame) -> list[str]:
+    """Boxes that are periodic along other axes, where both files state along which."""
+    assert first.box is not None
+    assert second.box is not None
+    if not (first.box.stated and second.box.stated):
+        return []
+    # along an axis that the plane does not have, LAMMPS wants a periodic box
+    still = flat_axes(first.positions) if len(first.positions) > 1 else first.positions[0] == 0
+    mine, yours = (box.periodic & (np.abs(box.vectors).sum(axis=1) > 0) & ~still for box in (first.box, second.box))
+    if (mine == yours).all():
+        return []
+    named = [", ".join(axis for axis, is_one in zip("xyz", axes, strict=True) if is_one) for axes in (mine, yours)]
+    return [f"the box is periodic along {named[0] or 'no axis'} against {named[1] or 'no axis'}"]
 
 
 def _types(ids: NDArray[np.int64], mine: NDArray[Any], yours: NDArray[Any]) -> list[str]:

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.compare.differences import Difference, Gap, converted, gaps, nearest_image, spacing
+from crosscheck.compare.differences import Difference, Gap, frames_of, gaps, nearest_image, roundings_of, spacing
 from crosscheck.compare.growth import Growth, Rate, Separation, chaos_line, growth
 from crosscheck.compare.momentum import momentum_parting
-from crosscheck.compare.outcome import Class, Evidence, Mode, classify
-from crosscheck.compare.pairing import Pairing, pair
+from crosscheck.compare.outcome import Class, Evidence, Mode, classify, moment
+from crosscheck.compare.pairing import Clock, Pairing, pair
 from crosscheck.compare.samples import FEWEST, START, Tested, compare_samples
 from crosscheck.compare.setup import different_setup
 from crosscheck.trajectories.frames import DOUBLE, Floats, Frame, Source
@@ -28,11 +28,12 @@ _NAMED, _DRAWN = 3, 40
 class Neighbourhood:
     """Particles around the one that is farthest from itself, where two runs part.
 
-    time: of the frame. particle: its id. ids: (n,) of the particles, this one first. first, second: their positions in
-    both runs relative to this particle in the first, (n, 3), length. radius: of a circle that stands for a particle.
+    pair: number of the pair of frames. particle: its id. ids: (n,) of the particles, this one first. first, second:
+    their positions in both runs relative to this particle in the first, (n, 3), length. radius: of a circle that stands
+    for a particle.
     """
 
-    time: float
+    pair: int
     particle: int
     ids: list[int]
     first: Floats
@@ -57,7 +58,7 @@ class Comparison:
     formats: tuple[str, str]
     classed: Class
     sentence: str
-    clock: str
+    clock: Clock
     gaps: list[Gap]
     setup: list[str]
     bits: Difference | None
@@ -70,6 +71,10 @@ class Comparison:
     remarks: tuple[str, ...]
     particles: int
     steps: list[int] | None
+
+    def when(self, pair: int) -> str:
+        """The moment of a pair of frames, in words. pair: its number."""
+        return moment(self.clock, self.gaps[pair].time, None if self.steps is None else self.steps[pair])
 
 
 def compare_trajectories(
@@ -94,9 +99,8 @@ def compare_trajectories(
     """
     pairing = pair(one, other)
     total = len(pairing.first)
-    first, second = one.read(int(pairing.first[0])), converted(other.read(int(pairing.second[0])), pairing)
-    roundings = {name: (one.rounding[name], other.rounding[name]) for name in ("masses", "diameters", "box")}
-    setup = different_setup(first, second, roundings)
+    first, second = frames_of(one, other, pairing, 0)
+    setup = different_setup(first, second, roundings_of(one, other, pairing))
     found: list[Gap] = []
     for gap in gaps(one, other, pairing):
         found.append(gap)
@@ -220,8 +224,7 @@ def _begin(separation: Separation, grown: Growth | None) -> float:
 
 def _neighbourhood(one: Source, other: Source, pairing: Pairing, at: int, gap: Gap) -> Neighbourhood:
     """The particles around the one that is farthest from itself in a pair of frames."""
-    first = one.read(int(pairing.first[at]))
-    second = converted(other.read(int(pairing.second[at])), pairing)
+    first, second = frames_of(one, other, pairing, at)
     particle = gap.farthest["positions"]
     centre = first.positions[int(np.flatnonzero(first.ids == particle)[0])]
     apart = [first.positions - centre, second.positions - centre]
@@ -235,4 +238,4 @@ def _neighbourhood(one: Source, other: Source, pairing: Pairing, at: int, gap: G
     radius = spacing(first) / 2
     if first.diameters is not None:
         radius = float(np.mean(first.diameters)) / 2
-    return Neighbourhood(gap.time, particle, ids, apart[0][order], there, radius)
+    return Neighbourhood(at, particle, ids, apart[0][order], there, radius)

@@ -11,7 +11,7 @@ import numpy as np
 
 from crosscheck import figure
 from crosscheck.compare.differences import VECTORS
-from crosscheck.compare.outcome import Mode, status
+from crosscheck.compare.outcome import Mode, later, status
 from crosscheck.compare.trajectories import Comparison, Neighbourhood
 from crosscheck.files import naming
 from crosscheck.report import figures, pictures
@@ -38,7 +38,8 @@ def render(found: Comparison, mode: Mode) -> str:
     if all(value is not None for gap in found.gaps for value in gap.kinetic):
         drawings.append(_energies(found))
     if found.neighbourhood is not None:
-        drawings += _places(found.neighbourhood)
+        drawings += _places(found.neighbourhood, found)
+    law = None if found.growth is None else found.growth.law
     return (
         templates()
         .get_template("comparison.html.j2")
@@ -49,7 +50,8 @@ def render(found: Comparison, mode: Mode) -> str:
             drawings=drawings,
             axes="xyz",
             vectors=VECTORS,
-            law=None if found.growth is None else found.growth.law,
+            law=law,
+            horizon="" if law is None else later(found.clock, law.horizon),
         )
     )
 
@@ -99,7 +101,7 @@ def _time(found: Comparison) -> str:
     return {"time": "time", "step": "time step", "order": "number of the frame"}[found.clock]
 
 
-def _places(place: Neighbourhood) -> list[figures.Drawing]:
+def _places(place: Neighbourhood, found: Comparison) -> list[figures.Drawing]:
     """The particles around the one that is farthest from itself, coloured by how far each is, along two planes."""
     apart = np.linalg.norm(place.second - place.first, axis=1)
     with np.errstate(divide="ignore"):
@@ -117,6 +119,6 @@ def _places(place: Neighbourhood) -> list[figures.Drawing]:
             value=values,
             value_label="log10 of the distance from itself",
         )
-        title = f"Around particle {place.particle} at t = {place.time:g}, {names[0]} and {names[1]} from it"
+        title = f"Around particle {place.particle} at {found.when(place.pair)}, {names[0]} and {names[1]} from it"
         drawings.append(pictures.draw(pictures.Picture(title, *names, asdict(snapshot), None), f"n{other}"))
     return drawings

@@ -52,11 +52,16 @@ def first_line(error: Exception) -> str:
 
 
 class Box(NamedTuple):
-    """A box. vectors: its edges as rows, (3, 3), length. lower: its lower corner, (3,), length. periodic: (3,)."""
+    """A box.
+
+    vectors: its edges as rows, (3, 3), length. lower: its lower corner, (3,), length. periodic: along which of them it
+    is periodic, (3,). stated: whether the file says so; if not, `periodic` is what is taken where nothing tells it.
+    """
 
     vectors: Floats
     lower: Floats
     periodic: NDArray[np.bool_]
+    stated: bool = True
 
 
 class Frame(NamedTuple):

@@ -130,4 +130,4 @@ def _box(cell: Floats) -> Box | None:
         vectors = np.array([[a, gamma, beta], [gamma, b, alpha], [beta, alpha, c]])
     else:
         vectors = from_cosines((a, b, c), [0.0 if one == 90 else np.cos(np.radians(one)) for one in angles])
-    return Box(vectors, np.zeros(3), np.abs(vectors).sum(axis=1) > 0) if vectors.any() else None
+    return Box(vectors, np.zeros(3), np.abs(vectors).sum(axis=1) > 0, stated=False) if vectors.any() else None

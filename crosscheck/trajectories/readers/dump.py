@@ -180,7 +180,7 @@ def _as_frame(frame: DumpFrame, time: float) -> Frame:
             types,
             columns.get("mass"),
             diameters,
-            Box(frame.vectors, frame.lower, periodic),
+            Box(frame.vectors, frame.lower, periodic, stated=any(frame.boundary)),
         )
     )
 

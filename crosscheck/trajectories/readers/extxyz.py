@@ -271,7 +271,7 @@ def _box(known: dict[str, Any]) -> Box | None:
     vectors = np.asarray(lattice, dtype=np.float64).T
     lower = np.asarray(known.get("origin", np.zeros(3)), dtype=np.float64)
     periodic = np.broadcast_to(np.asarray(known.get("pbc", True), dtype=bool), 3)
-    return Box(vectors, lower, periodic)
+    return Box(vectors, lower, periodic, stated="pbc" in known)
 
 
 def _lost(head: _Head, rows: list[bytes]) -> Iterator[str]:

@@ -166,5 +166,5 @@ def _in_doubles(path: Path, offset: int, head: _Head) -> Numbers:
 
 
 def _box(vectors: Floats) -> Box | None:
-    """A box along whose edges everything is periodic; None if there are none."""
-    return Box(vectors, np.zeros(3), np.abs(vectors).sum(axis=1) > 0) if vectors.any() else None
+    """A box along whose edges everything may be periodic; None if there are none."""
+    return Box(vectors, np.zeros(3), np.abs(vectors).sum(axis=1) > 0, stated=False) if vectors.any() else None

@@ -236,13 +236,13 @@ def _box(chunks: _Chunks, index: int) -> Box | None:
     """The box of HOOMD, Lx, Ly, Lz, xy, xz, yz, which is centred at the origin.
 
     `simulate` logs the sides of the scene's own box with 64 bits, from the origin, 0 along axes without one: HOOMD's
-    box is also around particles in open space.
+    box is also around particles in open space. The schema has no word for walls.
     """
     numbers, cell = (chunks.held(name, index) for name in ("configuration/box", _CELL))
     if cell is not None:
-        return Box(np.diag(cell), np.zeros(3), np.asarray(cell) > 0) if np.any(cell) else None
+        return Box(np.diag(cell), np.zeros(3), np.asarray(cell) > 0, stated=False) if np.any(cell) else None
     if numbers is None:
         return None
     x, y, z, xy, xz, yz = map(float, numbers)
     vectors = np.array([[x, 0, 0], [xy * y, y, 0], [xz * z, yz * z, z]])
-    return Box(vectors, -vectors.sum(axis=0) / 2, np.array([side > 0 for side in (x, y, z)]))
+    return Box(vectors, -vectors.sum(axis=0) / 2, np.array([side > 0 for side in (x, y, z)]), stated=False)

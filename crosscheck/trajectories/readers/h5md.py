@@ -241,7 +241,7 @@ def _box(particles: Any, index: int) -> Box | None:
     kinds = np.ravel(box.attrs.get("boundary", ["none"] * axes))
     periodic = np.zeros(3, dtype=bool)
     periodic[:axes] = np.broadcast_to([_word(one) == "periodic" for one in kinds], axes)
-    return Box(vectors, np.zeros(3), periodic)
+    return Box(vectors, np.zeros(3), periodic, stated="boundary" in box.attrs)
 
 
 def _of_box(edges: Any, position: Any, index: int) -> int:

@@ -172,14 +172,14 @@ def _box(header: dict[str, list[float]]) -> Box:
     periodic = np.ones(3, dtype=bool)
     if "avec" in header:
         vectors = np.array([header[name] for name in ("avec", "bvec", "cvec")])
-        return Box(vectors, np.array(header.get("abc origin", [0.0, 0.0, 0.0])), periodic)
+        return Box(vectors, np.array(header.get("abc origin", [0.0, 0.0, 0.0])), periodic, stated=False)
     try:
         bounds = np.array([header[f"{axis}lo {axis}hi"] for axis in "xyz"])
     except KeyError as error:
         raise ValueError(f"its header has no {error.args[0]}: it is not complete") from None
     vectors = np.diag(bounds[:, 1] - bounds[:, 0])
     vectors[1, 0], vectors[2, 0], vectors[2, 1] = header.get("xy xz yz", (0.0, 0.0, 0.0))
-    return Box(vectors, bounds[:, 0], periodic)
+    return Box(vectors, bounds[:, 0], periodic, stated=False)
 
 
 def _as_frame(text: _Text, table: dict[str, NDArray[Any]], box: Box, step: int | None) -> Frame:

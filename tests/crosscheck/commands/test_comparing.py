@@ -127,10 +127,30 @@ def test_of_many_runs_the_odd_one_is_named(
     out = capsys.readouterr().out
     assert status == 1
     assert "4 runs, 101 common frames; 3 are the same to the last bit" in out
-    assert "run2/arrays-refimpl.npz left the others at t = 0:" in out
+    assert "run2/arrays-refimpl.npz left the others at t = 0 (step 0):" in out
     assert "particle 18" in out
     assert commands.compare(runs, standard("chaos"), tmp_path / "out") == 0
     assert commands.compare([runs[0], runs[1], runs[3]], standard("exact"), tmp_path / "out") == 0
+
+
+def test_frames_that_are_matched_by_steps_are_told_by_their_step(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, x in (("one", "0.25"), ("two", "0.375")):
+        frames = [
+            f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 5\n0 5\n0 5\n"
+            f"ITEM: ATOMS id x y z\n1 {x if step else 0.25} 2.0 3.0\n2 4.0 3.0 2.0\n"
+            for step in (0, 20, 40)
+        ]
+        (tmp_path / name).write_text("".join(frames))
+    files = [tmp_path / "one", tmp_path / "two"]
+    assert commands.compare(files, standard("tolerance"), tmp_path / "out") == 1
+    out = capsys.readouterr().out
+    assert "first bits that differ: step 20, position x of particle 1: 0.25 against 0.375" in out
+    assert "t = " not in out
+    assert "step 20: position x" in (tmp_path / "out" / PAGE).read_text()
+    assert commands.compare([files[0], *files], standard("exact"), tmp_path / "out") == 1
+    assert "two left the others at step 20:" in capsys.readouterr().out
 
 
 def test_tables_are_compared_by_their_statistics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

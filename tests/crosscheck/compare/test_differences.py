@@ -9,8 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.compare.differences import Gap, common_rows, gap, nearest_image, spacing
+from crosscheck.compare.differences import (
+    Gap,
+    common_rows,
+    converted,
+    frames_of,
+    gap,
+    gaps,
+    informed,
+    nearest_image,
+    spacing,
+)
+from crosscheck.compare.pairing import Pairing, pair
 from crosscheck.trajectories.frames import DOUBLE, SINGLE, Box, Frame, Rounding
+from crosscheck.trajectories.memory import in_memory
 
 CUBE = Box(np.diag([5.0, 6.0, 7.0]), np.zeros(3), np.ones(3, dtype=bool))
 TILTED = Box(np.array([[5.0, 0, 0], [1.5, 6.0, 0], [-1.0, 2.0, 7.0]]), np.zeros(3), np.ones(3, dtype=bool))
@@ -40,6 +52,52 @@ def test_images_of_a_particle_are_no_distance(box: Box, images: list[tuple[int, 
 def test_walls_have_no_images() -> None:
     apart = nearest_image(np.array([[4.0, 5.0, 0.5]]), SLAB)
     assert apart.tolist() == [[-1.0, 5.0, 0.5]]
+
+
+NOT_STATED = CUBE._replace(stated=False)
+
+
+@pytest.mark.parametrize("walls_first", [True, False])
+def test_a_wall_that_one_file_states_is_one_for_both(walls_first: bool) -> None:
+    """What crosses half the box between walls has moved, whatever the other file, as of XTC, may be taken for."""
+    walls = CUBE._replace(periodic=np.array([True, False, True]))
+    moved = np.array([[4.0, 5.0, 6.0]])
+    sources = [
+        in_memory("dump", np.zeros(1), np.zeros((1, 1, 3)), box=walls),
+        in_memory("xtc", np.zeros(1), moved[None], box=NOT_STATED, wrapping="wrapped"),
+    ]
+    one, other = sources if walls_first else sources[::-1]
+    (found,) = gaps(one, other, pair(one, other))
+    assert found.largest["positions"] == pytest.approx(np.linalg.norm([-1, 5, -1]))
+    for box in (frame.box for frame in frames_of(one, other, pair(one, other), 0)):
+        assert box is not None
+        assert box.periodic.tolist() == [True, False, True]
+
+
+def test_where_no_file_states_walls_every_axis_may_be_periodic() -> None:
+    none = NOT_STATED._replace(periodic=np.zeros(3, dtype=bool))
+    for mine, yours in ((NOT_STATED, none), (none, NOT_STATED)):
+        box = informed(frame(np.zeros((1, 3)), box=mine), yours).box
+        assert box is not None
+        assert box.periodic.all()
+        assert not box.stated
+    stated = informed(frame(np.zeros((1, 3)), box=CUBE), none).box
+    assert stated is CUBE
+    assert informed(frame(np.zeros((1, 3)), box=none), None).box is none
+    assert informed(frame(np.zeros((1, 3))), CUBE).box is None
+
+
+def test_spins_and_boxes_are_converted() -> None:
+    pairing = Pairing(*[np.zeros(1, dtype=np.int64)] * 2, "time", np.zeros(1), None, 10.0, 0.01, 0.001, 1000.0, ())
+    box = CUBE._replace(lower=np.ones(3), stated=False)
+    ones = np.ones((2, 3))
+    found = converted(frame(ones, ones, spins=ones, diameters=np.ones(2), masses=np.ones(2), box=box), pairing)
+    held = (found.positions, found.velocities, found.spins, found.diameters, found.masses)
+    assert [float(np.ravel(one)[0]) for one in held] == [10.0, 0.01, 0.001, 10.0, 1.0]
+    assert found.box is not None
+    assert np.diag(found.box.vectors).tolist() == [50.0, 60.0, 70.0]
+    assert found.box.lower.tolist() == [10.0] * 3
+    assert not found.box.stated
 
 
 def test_particles_that_one_frame_lacks_are_counted() -> None:

@@ -55,6 +55,7 @@ def test_steps_go_before_the_order_and_times_before_steps() -> None:
     )
     assert pair(timed, stepped).clock == "step"
     assert pair(stepped, timed).clock == "step"
+    assert pair(stepped, stepped).clock == "step"  # no time in which velocities could be compared with positions
     nothing = source([np.nan] * 3)
     found = pair(timed, nothing)
     assert found.clock == "order"
@@ -70,6 +71,10 @@ def test_units_are_converted_and_said() -> None:
     assert found.length == pytest.approx(10.0)
     assert found.velocity == pytest.approx(0.01)
     assert "the length of two is converted from nm to Angstrom." in found.remarks
+    assert found.spin == pytest.approx(0.001)
+    stepped = source([0, 1000], name="steps", length="nm", time="step", velocity="nm/ps")
+    assert pair(real, stepped).spin == pytest.approx(0.001)
+    assert pair(real, source([0.0, 1000.0], name="no", length="nm")).spin == 1.0
     reduced = source([0.0, 1000.0], name="three", length="sigma", time="tau", velocity="sigma/tau")
     assert "reduced units" in pair(real, reduced).remarks[0]
 

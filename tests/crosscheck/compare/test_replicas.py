@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pairs_of_runs import from_state, liquid, run, trajectory
@@ -9,6 +11,7 @@ from pairs_of_runs import from_state, liquid, run, trajectory
 from crosscheck.compare.replicas import replicas
 from crosscheck.compare.trajectories import compare_trajectories
 from crosscheck.errors import UsageError
+from crosscheck.trajectories.frames import SINGLE, Units
 from crosscheck.trajectories.memory import in_memory
 
 
@@ -69,6 +72,41 @@ def test_minus_zero_is_zero() -> None:
     times, arrays = np.arange(10.0), copies(2)
     arrays[0][5, 1, 1], arrays[1][5, 1, 1] = 0.0, -0.0
     assert replicas([in_memory(str(k), times, x) for k, x in enumerate(arrays)]).left == {}
+
+
+def test_what_not_all_files_hold_does_not_count() -> None:
+    times, (x, y, z) = np.arange(10.0), copies(3)
+    sources = [in_memory("a", times, x, x), in_memory("b", times, y, y + 1), in_memory("c", times, z)]
+    assert replicas(sources).left == {}
+    assert replicas(sources).remarks == ("velocity is not in all files, and is not compared.",)
+    sources[2] = in_memory("c", times, z, z)
+    assert replicas(sources).left == {1: 0}
+    assert replicas(sources).remarks == ()
+
+
+def test_files_that_are_written_in_other_ways_are_told() -> None:
+    times, (x, y, z) = np.arange(10.0), copies(3)
+    rounded = y.astype(np.float32).astype(np.float64)
+    sources = [
+        in_memory("a", times, x),
+        in_memory("b.gsd", times, rounded, rounding=SINGLE),
+        in_memory("c.xtc", times, z, wrapping="wrapped"),
+    ]
+    found = replicas([replace(sources[0], units=Units("nm")), replace(sources[1], units=Units("Angstrom")), sources[2]])
+    assert "b.gsd is written in another way than a (positions of float32 against float64; converted" in found.remarks[0]
+    assert "c.xtc is written in another way than a (wrapped against unwrapped positions)" in found.remarks[1]
+
+
+def test_frames_are_told_by_their_clock() -> None:
+    arrays, times, steps = copies(3), np.arange(10.0), 50 * np.arange(10)
+    arrays[2][4:] += 1.0
+    timed = replicas([in_memory(str(k), times, x, steps=steps) for k, x in enumerate(arrays)])
+    assert timed.when(timed.left[2]) == "t = 4 (step 200)"
+    sources = [in_memory(str(k), np.full(10, np.nan), x, steps=steps) for k, x in enumerate(arrays)]
+    stepped = replicas(sources)
+    assert stepped.when(stepped.left[2]) == "step 200"
+    sources[1] = in_memory("1", times, arrays[1])
+    assert replicas(sources).when(4) == "frame 4 (step 200)"
 
 
 def test_runs_without_a_common_frame_are_refused() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crosscheck.compare.pairing import pair
-from crosscheck.compare.samples import LEVEL, compare_samples, compare_series, different
+from crosscheck.compare.samples import LEVEL, compare_samples, compare_series, different, series_of, shell_edges
 from crosscheck.trajectories.frames import Box, Floats
 from crosscheck.trajectories.memory import InMemory, in_memory
 
@@ -83,6 +83,52 @@ def test_wrapped_positions_have_the_same_displacements() -> None:
     wrapped = in_memory("wrapped", one.times, folded, one.velocities, types=one.types, box=one.box, wrapping="wrapped")
     for tested in found(one, wrapped):
         assert tested.first == pytest.approx(tested.second, rel=1e-4), tested.name
+
+
+def test_walls_that_one_file_states_hold_for_the_statistics_of_both() -> None:
+    one = gas(3)
+    assert one.box is not None
+    folded = one.positions - np.floor(one.positions / SIDE) * SIDE
+    walls, open_ = (one.box._replace(periodic=np.zeros(3, dtype=bool), stated=stated) for stated in (True, False))
+    dump = in_memory("dump", one.times, folded, one.velocities, box=walls)
+    xtc = in_memory("xtc", one.times, folded, one.velocities, box=open_._replace(periodic=np.ones(3, dtype=bool)),
+                    wrapping="wrapped")  # fmt: skip
+    for pairs in ((dump, xtc), (xtc, dump)):
+        for tested in found(*pairs):
+            assert tested.first == tested.second, tested.name
+
+
+def test_displacements_are_those_of_mdanalysis() -> None:
+    from MDAnalysis import Universe
+    from MDAnalysis.analysis.msd import EinsteinMSD
+
+    one = gas(4)
+    still = one.positions - one.positions.mean(axis=1, keepdims=True)  # it does not take the mean motion away
+    universe = Universe.empty(NUMBER, trajectory=True).load_new(still)
+    theirs = EinsteinMSD(universe, fft=False).run().results.timeseries
+    edges = np.linspace(0.0, 1.0, 3)
+    ours = series_of(in_memory("still", one.times, still).frames(), False, edges)
+    for lag in (1, 4, 16):
+        # their positions have 32 bits
+        assert ours[f"mean square displacement over {lag} frames"].mean() == pytest.approx(theirs[lag], rel=1e-5)
+
+
+def test_neighbours_are_those_of_mdanalysis() -> None:
+    from MDAnalysis import Universe
+    from MDAnalysis.analysis.rdf import InterRDF
+
+    rng = np.random.default_rng(8)
+    positions = rng.random((5, NUMBER, 3)) * SIDE
+    source = in_memory("gas", np.arange(5.0), positions, box=gas(1).box)
+    edges = shell_edges(source.read(0))
+    universe = Universe.empty(NUMBER, trajectory=True)
+    universe.load_new(positions, dimensions=np.array([SIDE, SIDE, SIDE, 90, 90, 90]))
+    rdf = InterRDF(
+        universe.atoms, universe.atoms, nbins=len(edges) - 1, range=(0.0, edges[-1]), exclusion_block=(1, 1)
+    ).run()
+    ours = series_of(source.frames(), False, edges)
+    counts = [values.sum() * NUMBER for name, values in ours.items() if name.startswith("neighbours")]
+    assert counts == pytest.approx(rdf.results.count.tolist(), rel=1e-9)
 
 
 def series(rng: np.random.Generator, length: int, correlation: float) -> Floats:

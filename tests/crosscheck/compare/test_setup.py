@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from crosscheck.compare.differences import converted, roundings_of
+from crosscheck.compare.pairing import pair
 from crosscheck.compare.setup import different_setup
-from crosscheck.trajectories.frames import DOUBLE, SINGLE, Box, Frame, Rounding
+from crosscheck.trajectories.frames import DOUBLE, QUANTITIES, SINGLE, Box, Frame, Rounding, Units
+from crosscheck.trajectories.memory import in_memory
 
 ROUNDING = dict.fromkeys(("masses", "diameters", "box"), (DOUBLE, DOUBLE))
 
@@ -35,6 +39,18 @@ def frame(**known: Any) -> Frame:
             {"box": Box(np.diag([5.0, 5.001, 5.0]), np.zeros(3), np.ones(3, dtype=bool))},
             "the edges of the box are 5 x 5 x 5 against 5 x 5.001 x 5",
         ),
+        (
+            {"box": Box(5 * np.eye(3), np.zeros(3), np.array([True, False, True]))},
+            "the box is periodic along x, y, z against x, z",
+        ),
+        (
+            {"box": Box(5 * np.eye(3), np.zeros(3), np.zeros(3, dtype=bool))},
+            "the box is periodic along x, y, z against no axis",
+        ),
+        (  # as AMBER's NetCDF states what is not periodic
+            {"box": Box(np.diag([5.0, 5.0, 0.0]), np.zeros(3), np.ones(3, dtype=bool))},
+            "the box is periodic along x, y, z against x, y",
+        ),
     ],
 )
 def test_what_is_different_is_told(changes: dict[str, Any], told: str) -> None:
@@ -53,7 +69,8 @@ def test_particles_that_are_missing_are_told() -> None:
         {"types": np.array([0, 0, 1, 1])},
         {"types": np.array(["He", "He", "Ar", "Ar"])},
         {"types": None, "masses": None, "diameters": None, "box": None},
-        {"box": Box(np.diag([5.0, 5.0, 5.0 + 2e-7]), np.ones(3), np.zeros(3, dtype=bool))},
+        {"box": Box(np.diag([5.0, 5.0, 5.0 + 2e-7]), np.ones(3), np.ones(3, dtype=bool))},
+        {"box": Box(np.diag([5.0, 5.0, 5.0]), np.zeros(3), np.zeros(3, dtype=bool), stated=False)},
     ],
 )
 def test_other_names_and_what_is_not_stated_are_no_difference(changes: dict[str, Any]) -> None:
@@ -78,3 +95,28 @@ def test_edges_that_a_file_has_rounded_or_left_out_are_no_difference() -> None:
     thin = Box(np.diag([5.0, 5.0, 0.1]), np.zeros(3), np.ones(3, dtype=bool))
     none = Box(np.diag([5.0, 5.0, 0.0]), np.zeros(3), np.array([True, True, False]))
     assert different_setup(frame(positions=plane, box=thin), frame(positions=plane, box=none), ROUNDING) == []
+    alone = [
+        Frame(0.0, None, np.array([1]), np.array([[1.0, 2.0, 0.0]]), box=box._replace(vectors=5 * np.eye(3)))
+        for box in (thin, none)
+    ]
+    assert different_setup(alone[0], alone[1], ROUNDING) == []
+
+
+def test_what_rounding_lets_sizes_and_edges_differ_by_is_converted_with_them() -> None:
+    """A file in nm with three decimals: a number in Angstrom may differ by 0.005."""
+    here, there = (in_memory(name, np.zeros(1), np.zeros((1, 4, 3))) for name in ("a", "b"))
+    here = replace(here, units=Units("Angstrom", "fs", "Angstrom/fs"))
+    digits = dict.fromkeys(QUANTITIES, Rounding(0.0005, 0.0, "3 decimals"))
+    there = replace(there, units=Units("nm", "ps", "nm/ps"), rounding=digits)
+    pairing = pair(here, there)
+    roundings = roundings_of(here, there, pairing)
+    yours = converted(frame(), pairing)
+    same = {"positions": yours.positions, "diameters": yours.diameters, "box": yours.box}
+    assert different_setup(frame(**same), yours, roundings) == []
+    for more, found in ((0.0049, 0), (0.0051, 1)):
+        assert yours.diameters is not None
+        assert len(different_setup(frame(**same | {"diameters": yours.diameters + more}), yours, roundings)) == found
+        longer = Box(np.diag([50.0, 50.0, 50.0 + more]), np.zeros(3), np.ones(3, dtype=bool))
+        assert len(different_setup(frame(**same | {"box": longer}), yours, roundings)) == found
+    masses = np.array([1.0, 1.0, 3.0, 3.00051])  # they have no unit of length
+    assert len(different_setup(frame(**same | {"masses": masses}), yours, roundings)) == 1

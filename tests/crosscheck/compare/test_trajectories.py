@@ -13,7 +13,7 @@ from pairs_of_runs import NUMBER, from_state, kicked, liquid, run, trajectory
 from crosscheck.compare.growth import Rate
 from crosscheck.compare.trajectories import Comparison, compare_trajectories
 from crosscheck.engines.workers.pool import Worker
-from crosscheck.trajectories.frames import Floats
+from crosscheck.trajectories.frames import Floats, Units
 from crosscheck.trajectories.memory import InMemory
 
 
@@ -250,6 +250,21 @@ def test_a_tolerance_is_a_distance() -> None:
     for tolerance, classed in ((1.1e-5, "same_within_rounding"), (0.9e-5, "different_setup")):
         found = compare_trajectories(one, trajectory(scene(), moved, "two"), "tolerance", tolerance=tolerance)
         assert found.classed == classed
+
+
+def test_chaos_is_told_from_files_that_state_steps_in_place_of_times() -> None:
+    start = scene().own_start().positions[17, 0]
+    pairs = [trajectory(scene(), arrays, "run") for arrays in (base(), displaced(float(np.spacing(start))))]
+    stepped = [replace(one, times=one.steps.astype(float), units=Units("", "step", "")) for one in pairs]
+    timed, found = compare_trajectories(*pairs), compare_trajectories(*stepped)
+    assert found.classed == "chaos_only"
+    assert found.clock == "step"
+    assert found.growth is not None
+    assert timed.growth is not None
+    assert found.growth.law is not None
+    assert timed.growth.law is not None
+    assert found.growth.law.rate == pytest.approx(0.005 * timed.growth.law.rate)
+    assert found.growth.law.limit == pytest.approx(timed.growth.law.limit)
 
 
 def test_too_few_frames_are_inconclusive_unless_the_rate_is_known() -> None:

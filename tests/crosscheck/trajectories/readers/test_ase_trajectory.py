@@ -51,6 +51,7 @@ def test_what_ase_writes(tmp_path: Path, masses: bool) -> None:
     assert frame.box is not None
     assert frame.box.vectors.tolist() == [[5, 0, 0], [1, 6, 0], [0, 0, 7]]
     assert frame.box.periodic.tolist() == [True, True, False]
+    assert frame.box.stated
     assert source.remarks == ()
 
 

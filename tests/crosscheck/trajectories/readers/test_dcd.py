@@ -104,6 +104,7 @@ def test_boxes_of_angles_cosines_and_matrices(
     assert box is not None
     assert np.allclose(box.vectors, vectors, rtol=0, atol=1e-14)
     assert box.periodic.all()
+    assert not box.stated
     write(tmp_path / "b.dcd", positions, cell=(0,) * 6)
     assert opened(tmp_path / "b.dcd").read(0).box is None
 

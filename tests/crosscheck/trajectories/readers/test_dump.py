@@ -133,6 +133,7 @@ def test_grains_have_spins_sizes_and_masses(lammps: Truth) -> None:
     assert np.array_equal(last.masses, lammps.of("grains", "rmass"))
     assert last.box is not None
     assert last.box.periodic.tolist() == [True, True, False]
+    assert last.box.stated
     assert source.wrapping == "wrapped"
 
 
@@ -227,6 +228,9 @@ def test_frames_without_particles(tmp_path: Path) -> None:
 )
 def test_what_a_file_leaves_open_is_said(tmp_path: Path, text: str, remark: str) -> None:
     assert any(remark in one for one in opened(tmp_path, text).remarks)
+    box = opened(tmp_path, text).read(0).box
+    assert box is not None
+    assert box.stated == ("boundaries" not in remark)
 
 
 def test_images_are_used_as_far_as_they_go(tmp_path: Path) -> None:

@@ -78,6 +78,7 @@ def test_what_ase_writes(tmp_path: Path) -> None:
     assert box is not None
     assert box.vectors.tolist() == [[5, 0, 0], [1, 6, 0], [0, 0, 7]]
     assert box.periodic.tolist() == [True, True, False]
+    assert box.stated
 
 
 def test_what_simulate_writes_comes_back_to_the_last_bit(tmp_path: Path) -> None:
@@ -137,6 +138,7 @@ def test_numbers_of_atoms_and_particles_without_names(tmp_path: Path) -> None:
     assert frame.box is not None
     assert frame.box.lower.tolist() == [1, 1, 0]
     assert frame.box.periodic.all()
+    assert not frame.box.stated
     assert opened(tmp_path, "1\n\nX 1 2 3\n").read(0).types is None
 
 

@@ -71,6 +71,8 @@ def test_what_lammps_writes(lammps: Truth, run: str) -> None:
     box = source.read(1).box
     assert box is not None
     assert np.allclose(box.vectors, scale * lammps.edges(run), rtol=1e-6)
+    assert box.periodic.all()
+    assert not box.stated
     assert "coordinates alone" in source.remarks[-1]
 
 

@@ -144,6 +144,7 @@ def test_what_is_logged_in_64_bits_comes_first(tmp_path: Path, names: tuple[str,
         assert frame.box.vectors.tolist() == [[5.1, 0, 0], [0, 0, 0], [0, 0, 7.1]]
         assert frame.box.lower.tolist() == [0, 0, 0]
         assert frame.box.periodic.tolist() == [True, False, True]
+        assert not frame.box.stated
 
 
 def test_a_log_of_frame_0_is_not_taken_for_another_frame(tmp_path: Path) -> None:

@@ -76,6 +76,7 @@ def test_everything_that_a_file_may_state(tmp_path: Path) -> None:
         assert frame.masses.tolist() == [2, 4, 3, 1]
         assert frame.box is not None
         assert frame.box.periodic.tolist() == [True, True, False]
+        assert frame.box.stated
 
 
 def test_elements_are_matched_by_their_steps(tmp_path: Path) -> None:

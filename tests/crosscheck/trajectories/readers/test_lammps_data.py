@@ -98,6 +98,7 @@ def test_a_file_by_hand(tmp_path: Path, name: str) -> None:
     assert frame.masses.tolist() == [2.5, 3.5]
     assert frame.box is not None
     assert frame.box.lower.tolist() == [0, -1, 0]
+    assert not frame.box.stated
     assert "it states no boundaries: all are taken to be periodic." in source.remarks
 
 

@@ -88,6 +88,7 @@ def test_what_lammps_writes(tmp_path: Path, form: str, real: str) -> None:
     assert frame.box.lower.tolist() == [-1, 0, 0]
     assert frame.box.vectors.tolist() == [[5, 0, 0], [0, 6, 0], [0, 0, 0]]
     assert frame.box.periodic.tolist() == [True, True, False]
+    assert frame.box.stated
     assert source.wrapping == "wrapped"
     assert source.remarks == ()
 

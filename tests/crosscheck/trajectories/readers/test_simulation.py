@@ -75,6 +75,7 @@ def test_disks_that_rotate_in_the_plane(tmp_path: Path) -> None:
     assert frame.diameters.tolist() == [1, 1]
     assert frame.box is not None
     assert frame.box.periodic.tolist() == [True, False, False]
+    assert frame.box.stated
 
 
 def test_samples_after_the_end_of_a_run_are_left_out(tmp_path: Path) -> None:
