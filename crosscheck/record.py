@@ -165,14 +165,14 @@ def case_name(line: Line) -> str:
     return f"{line['check']}/{line['variant']}" if line["variant"] else str(line["check"])
 
 
-def shown(line: Line) -> dict[str, Any] | None:
+def worst_judgement(line: Line) -> dict[str, Any] | None:
     """The judgement that decides the verdict of a line; None after a skip or an error."""
     return None if line["worst"] is None else dict(line["judgements"][line["worst"]])
 
 
 def deciding(line: Line) -> list[dict[str, Any]]:
     """Judgements of a line of a record with the outcome of its verdict, the worst first; none after a skip or error."""
-    first = shown(line)
+    first = worst_judgement(line)
     if first is None:
         return []
     rest = [one for number, one in enumerate(line["judgements"]) if number != line["worst"]]

@@ -26,8 +26,18 @@ from crosscheck.engines.workers.ending import TIME_LIMIT
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.errors import EngineError, EngineMissing, UsageError
 from crosscheck.files import refuse_no_directory, refuse_unwritable
-from crosscheck.record import FILE, Line, Record, case_name, deciding, finished, is_left_out, provenance, read
-from crosscheck.record import shown as shown_judgement
+from crosscheck.record import (
+    FILE,
+    Line,
+    Record,
+    case_name,
+    deciding,
+    finished,
+    is_left_out,
+    provenance,
+    read,
+    worst_judgement,
+)
 from crosscheck.regression import shown
 from crosscheck.regression.difference import Difference
 from crosscheck.report.markdown import append, of_run, of_server
@@ -315,7 +325,7 @@ def print_table(console: Console, lines: list[Line]) -> None:
     order = {outcome: rank for rank, outcome in enumerate(("pass", "skip", "inconclusive", "error", "fail"))}
     shown_lines = [line for line in lines if not is_left_out(line)]
     for line in sorted(shown_lines, key=lambda item: (order[item["outcome"]], case_name(item), item["engine"])):
-        found = shown_judgement(line)
+        found = worst_judgement(line)
         values = (numbers.measured, numbers.expected, numbers.deviation, numbers.sensitivity)
         outcome = line["outcome"]
         table.add_row(

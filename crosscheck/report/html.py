@@ -19,7 +19,7 @@ from crosscheck.checks.base import Check
 from crosscheck.engines.registry import engine_names, engine_order
 from crosscheck.errors import UsageError
 from crosscheck.files import naming
-from crosscheck.record import Line, case_name, deciding, is_left_out, read, shown
+from crosscheck.record import Line, case_name, deciding, is_left_out, read, worst_judgement
 from crosscheck.report import figures, pictures
 from crosscheck.report.catches import scores, together
 from crosscheck.report.pages import templates
@@ -158,7 +158,7 @@ def render(lines: list[Line], title: str) -> str:
         kind=_kind,
         deciding=deciding,
         remark=_remark,
-        shown=shown,
+        worst_judgement=worst_judgement,
         equation=_equation,
         links=_links,
     )

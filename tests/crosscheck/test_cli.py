@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import Command
 
-from crosscheck import __version__, cli, commands, runner
+from crosscheck import __version__, commands, runner
 from crosscheck.checks import all_checks
 from crosscheck.checks.base import Check
 from crosscheck.directory import locked
@@ -52,26 +53,11 @@ def junit_total(path: Path, name: str) -> int:
     return sum(int(suite.attrib[name]) for suite in ET.parse(path).getroot())
 
 
-class Outcome:
-    """Exit status, output, and errors of one command."""
-
-    def __init__(self, status: Any, out: str, err: str) -> None:
-        self.status, self.out, self.err = status, out, err
-
-
 @pytest.fixture
-def crosscheck(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Any:
+def crosscheck(crosscheck: Command, monkeypatch: pytest.MonkeyPatch) -> Command:
     """Runs `crosscheck <words>` in this process, the simulations in plain Python."""
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
-
-    def call(*words: str | Path) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["crosscheck", *map(str, words)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out, err = capfd.readouterr()
-        return Outcome(end.value.code or 0, out, err)
-
-    return call
+    return crosscheck
 
 
 # -- start ------------------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 import tomli_w
+from command_line import Command
 from scene_files import DISKS, SPRING, changed
 
 from crosscheck import cli, commands
@@ -24,7 +25,7 @@ CASE = "stepping/oscillator-exact/velocity_verlet"
 
 
 @pytest.fixture
-def refused(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., str]:
+def refused(crosscheck: Command, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
     """Runs `crosscheck <words>`, which must end with status 2 before an engine starts; gives the line it says."""
 
     def start(worker: Worker) -> None:
@@ -33,13 +34,10 @@ def refused(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) 
     monkeypatch.setattr(Worker, "_start", start)
 
     def call(*words: str | Path) -> str:
-        monkeypatch.setattr(sys, "argv", ["crosscheck", *map(str, words)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out, err = capfd.readouterr()
-        assert end.value.code == 2
-        assert out == ""
-        (line,) = err.split("\n")[:-1]
+        done = crosscheck(*words)
+        assert done.status == 2
+        assert done.out == ""
+        (line,) = done.err.split("\n")[:-1]
         assert line.startswith("crosscheck: ")
         assert line.isprintable()
         return line.removeprefix("crosscheck: ")

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from crosscheck.errors import UsageError
-from crosscheck.record import FILE, SCHEMA, Record, case_name, finished, provenance, read, shown
+from crosscheck.record import FILE, SCHEMA, Record, case_name, finished, provenance, read, worst_judgement
 from crosscheck.verdict import Outcome, Verdict, findings, round_off
 
 SOURCE = {"seed": 0}
@@ -159,7 +159,7 @@ def test_an_old_line_has_its_parts_apart(tmp_path: Path) -> None:
     line = brought(tmp_path)
     assert (line["schema"], line["check"], line["variant"]) == (SCHEMA, "stepping/kepler-order", "e0.5/leapfrog")
     assert case_name(line) == _OLD["check"]
-    found = shown(line)
+    found = worst_judgement(line)
     assert found is not None
     assert (found["quantity"], found["measured"], found["deviation"], found["sigmas"]) == ("order of r", 2.1, 0.4, None)
     assert found["criterion"] == {"kind": "order", "sense": "both", "tolerance": 0.25, "why": "whole numbers"}
@@ -170,7 +170,7 @@ def test_an_old_line_has_its_parts_apart(tmp_path: Path) -> None:
 
 def test_an_old_deviation_in_sigmas_is_a_share_of_the_tolerance(tmp_path: Path) -> None:
     criterion = {"kind": "statistical", "tolerance": 20.0, "why": "4 sigma"}
-    found = shown(
+    found = worst_judgement(
         brought(
             tmp_path,
             uncertainty=3.0,
@@ -188,7 +188,7 @@ def test_an_old_deviation_in_sigmas_is_a_share_of_the_tolerance(tmp_path: Path) 
 def test_an_old_line_without_a_judgement(tmp_path: Path, outcome: str) -> None:
     keys = ("quantity", "measured", "uncertainty", "expected", "expected_uncertainty", "deviation", "sensitivity")
     line = brought(tmp_path, outcome=outcome, criterion=None, deviation_unit=None, **dict.fromkeys(keys))
-    assert (line["judgements"], line["worst"], shown(line)) == ([], None, None)
+    assert (line["judgements"], line["worst"], worst_judgement(line)) == ([], None, None)
 
 
 @pytest.mark.parametrize(
@@ -201,6 +201,6 @@ def test_an_old_line_without_a_judgement(tmp_path: Path, outcome: str) -> None:
     ],
 )
 def test_the_sense_of_an_old_bound(tmp_path: Path, changes: dict[str, Any], sense: str) -> None:
-    found = shown(brought(tmp_path, criterion={"kind": "bound", "tolerance": 4.0, "why": ""}, **changes))
+    found = worst_judgement(brought(tmp_path, criterion={"kind": "bound", "tolerance": 4.0, "why": ""}, **changes))
     assert found is not None
     assert found["criterion"]["sense"] == sense

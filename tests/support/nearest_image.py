@@ -87,6 +87,17 @@ class AllImages:
         return best
 
 
+class Overlapping(AllImages):
+    """Returns a sample in which two spheres overlap, and then a velocity that no event explains."""
+
+    def run(self, scene, method):
+        run = super().run(scene, method)
+        half = len(run["time"]) // 2
+        run["positions"][half, 1] = run["positions"][half, 0] + 0.25
+        run["velocities"][half + 1 :, 1] *= -1
+        return run
+
+
 class NearestImage(AllImages):
     """The same, but for the images of a pair: the nearest one alone."""
 

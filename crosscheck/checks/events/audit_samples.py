@@ -9,6 +9,7 @@ import numpy as np
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant
 from crosscheck.checks.events.gases import event_driven
 from crosscheck.engines.protocol import Run
+from crosscheck.errors import UsageError
 from crosscheck.faults import Fault
 from crosscheck.references.event_audit import KINDS, SampledEvent, audit, reconstructed, with_trace
 from crosscheck.scene import Box, Face, Floats, HardSpheres, Output, Scene, Well, explicit
@@ -121,11 +122,27 @@ def _traced(laboratory: Laboratory, scene: Scene, finer: int) -> tuple[Run, list
             duration=span,
             output=Output(interval=span / SAMPLES_AGAIN, trajectory=True),
         )
+        wrong = _no_start(part)
+        if wrong:
+            left.append(f"t = {times[k]:.6g}: {wrong}")
+            continue
         _, more, still = _traced(laboratory, part, finer - 1)
         events += [event._replace(time=event.time + float(times[k])) for event in more]
         left += [f"{where} after t = {times[k]:.6g}" for where in still]
     left += [f"t = {times[k]:.6g}" for k in unresolved[MOST_AGAIN:]]
     return run, events, left
+
+
+def _no_start(scene: Scene) -> str:
+    """Why the sample of an engine is no state that a run can begin from, as of spheres that overlap; "" if it is one.
+
+    scene: that begins from the sample.
+    """
+    try:
+        scene.initial_state()
+    except UsageError as error:
+        return str(error).rpartition(": ")[0]  # without what a user would do about it
+    return ""
 
 
 #: A path meets another where both are crossed: the time of the event is their distance over the change of velocity,

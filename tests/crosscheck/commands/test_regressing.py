@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pytest
+from command_line import Command
 
-from crosscheck import cli, runner
+from crosscheck import runner
 from crosscheck.commands.regressing import Against
 from crosscheck.record import Record, read
 from crosscheck.report.markdown import VARIABLE
@@ -21,31 +21,12 @@ CHECK = "stepping/oscillator-exact"
 EULER, VERLET = f"{CHECK}/euler", f"{CHECK}/velocity_verlet"
 
 
-class Outcome(NamedTuple):
-    """Exit status, output, and errors of one command."""
-
-    status: Any
-    out: str
-    err: str
-
-
-Command = Callable[..., Outcome]
-
-
 @pytest.fixture
-def crosscheck(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path) -> Command:
+def crosscheck(crosscheck: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
     """Runs `crosscheck <words>` in this process, in a directory of its own."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv(VARIABLE, raising=False)
-
-    def call(*words: str | Path) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["crosscheck", *map(str, words)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out, err = capfd.readouterr()
-        return Outcome(end.value.code or 0, out, err)
-
-    return call
+    return crosscheck
 
 
 def green(x: float = 0.1) -> Judged:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -37,6 +38,15 @@ def test_the_nearest_image_alone_is_red(variant: str) -> None:
     (missed,) = (one for one in found.findings.judgements if one.quantity.startswith("missed events"))
     assert missed.outcome == "fail"
     assert "overlap" in missed.note
+
+
+def test_spheres_that_overlap_in_a_sample_are_a_failure_that_names_the_pair_and_the_time() -> None:
+    found = verdict("Overlapping", "events/audit-samples", "gas-2d")
+    assert found.outcome == "fail", found.message
+    assert found.findings is not None
+    worst = found.findings.judgements[0]
+    assert worst.quantity == "intervals in which something happened that is no event"
+    assert re.search(r"t = 3: particles 0 and 1 overlap: their centres are 0.35\d* apart", worst.note), worst.note
 
 
 def test_variants_are_those_whose_words_the_engine_declares() -> None:
