@@ -7,6 +7,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import cached_property
 from pathlib import Path
 from types import CodeType
 
@@ -52,7 +53,7 @@ class Mutant:
         """File, line and operator."""
         return f"{self.package}/{self.file}:{self.mutation.line} {self.mutation.operator}"
 
-    @property
+    @cached_property
     def lines(self) -> tuple[str, str]:
         """The text of the lines that are changed, before and after, without the white space around them."""
         old, new = self.before.splitlines(), self.after.splitlines()

@@ -417,6 +417,13 @@ def _command(*options: str) -> list[str]:
 
 
 @pytest.fixture
+def alone(monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
+    """Options for a session that loads no other plugins, which take most of its time."""
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    return ("-p", "xdist", "-p", "crosscheck.pytest_plugin")
+
+
+@pytest.fixture
 def telling(tmp_path: Path) -> tuple[Path, Path]:
     """A file with an engine that hangs, and the pipe that it tells its process through."""
     file, pipe = tmp_path / "telling.py", tmp_path / "pipe"
@@ -425,9 +432,10 @@ def telling(tmp_path: Path) -> tuple[Path, Path]:
     return file, pipe
 
 
-def test_an_interrupt_leaves_no_process(telling: tuple[Path, Path]) -> None:
+def test_an_interrupt_leaves_no_process(telling: tuple[Path, Path], alone: tuple[str, ...]) -> None:
     file, pipe = telling
-    command = _command("-n0", f"--crosscheck-engine={file}:Engine", "--crosscheck-checks=stepping/gravity-steps")
+    asked = f"--crosscheck-engine={file}:Engine", "--crosscheck-checks=stepping/gravity-steps"
+    command = _command(*alone, "-n0", *asked)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=file.parent) as process:
         number = int(pipe.read_text().splitlines()[0])  # waits for the engine
         assert Path(f"/proc/{number}").exists()
@@ -437,13 +445,14 @@ def test_an_interrupt_leaves_no_process(telling: tuple[Path, Path]) -> None:
     assert not Path(f"/proc/{number}").exists()
 
 
-def test_processes_of_xdist_share_the_cases(tmp_path: Path) -> None:
+def test_processes_of_xdist_share_the_cases(tmp_path: Path, alone: tuple[str, ...]) -> None:
     """By files, so that a check stays in one process; paths are relative to where pytest is called."""
     text = (EXAMPLES / "my_engine.py").read_text(encoding="utf-8")
     (tmp_path / "inner").mkdir()
     (tmp_path / "inner" / "mine.py").write_text(text, encoding="utf-8")
     checks = [f"--crosscheck-checks=stepping/{name}" for name in ("gravity-steps", "gravity-features")]
-    command = _command("-n2", "--dist=loadfile", "--crosscheck-engine=mine.py:MyEngine", "-v", *checks, "--rootdir=..")
+    asked = "--crosscheck-engine=mine.py:MyEngine", "-v", *checks, "--rootdir=.."
+    command = _command(*alone, "-n2", "--dist=loadfile", *asked)
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path / "inner", timeout=300)
     names = re.findall(r"\[gw(\d)\].* PASSED \.\./(crosscheck/[^:]*)::(\S*)\[inner/mine.py:MyEngine\]", done.stdout)
     assert done.returncode == 0, done.stdout

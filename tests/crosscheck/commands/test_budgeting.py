@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
+
+from command_line import Command
 
 from crosscheck.commands.budgeting import summary_of_left_out
 from crosscheck.record import case_name, is_left_out, read
@@ -40,32 +40,26 @@ def test_the_summary_names_the_cheapest_and_what_was_lost() -> None:
     )
 
 
-def _run(directory: Path, *options: str) -> subprocess.CompletedProcess[str]:
-    command = ["run", "stepping/kepler-order/e0/*", "--engine", f"{EXAMPLE}:MyEngine", "--jobs", "1"]
-    return subprocess.run(
-        [sys.executable, "-P", "-m", "crosscheck.cli", *command, "--out", str(directory), *options],
-        capture_output=True, text=True, check=False, timeout=300,
-    )  # fmt: skip
-
-
-def test_a_run_without_time_judges_nothing_and_can_be_completed(tmp_path: Path) -> None:
+def test_a_run_without_time_judges_nothing_and_can_be_completed(crosscheck: Command, tmp_path: Path) -> None:
     """So little time that the speed alone takes it: not green. Then the rest, with what was left out."""
-    done = _run(tmp_path, "--budget", "0.01", "--junit", str(tmp_path / "junit.xml"))
+    words = ["run", "stepping/kepler-order/e0/*", "--engine", f"{EXAMPLE}:MyEngine", "--jobs", "1"]
+    done = crosscheck(*words, "--out", tmp_path, "--budget", "0.01", "--junit", tmp_path / "junit.xml")
     lines = read(tmp_path)
-    assert done.returncode == 4, done.stdout
+    assert done.status == 4, done.out
     assert lines
     assert all(is_left_out(line) for line in lines)
-    assert f"nothing was judged: {len(lines)} skipped ({LEFT_OUT})" in done.stderr
-    assert f"{LEFT_OUT}: {len(lines)} case, predicted" in done.stdout
+    assert f"nothing was judged: {len(lines)} skipped ({LEFT_OUT})" in done.err
+    assert f"{LEFT_OUT}: {len(lines)} case, predicted" in done.out
     skipped = [one.attrib["message"] for one in ET.parse(tmp_path / "junit.xml").getroot().iter("skipped")]
     assert len(skipped) == len(lines)
     assert all(message.startswith(LEFT_OUT) for message in skipped)
 
-    rest = _run(tmp_path, "stepping/gravity-steps", "--resume", str(tmp_path), "--budget", "100")
+    words += ["stepping/gravity-steps", "--resume", str(tmp_path), "--budget", "100"]
+    rest = crosscheck(*words)
     completed = {case_name(line): line for line in read(tmp_path)}
-    assert rest.returncode == 0, rest.stdout
+    assert rest.status == 0, rest.out
     assert set(completed) > {case_name(line) for line in lines}
     assert {line["outcome"] for line in completed.values()} == {"pass"}
     assert all(line["cost"]["predicted"] > 0 for line in completed.values())
-    assert "fit, predicted" in rest.stdout
-    assert LEFT_OUT not in rest.stdout
+    assert "fit, predicted" in rest.out
+    assert LEFT_OUT not in rest.out
