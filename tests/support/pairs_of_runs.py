@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.compare.differences import Gap
 from crosscheck.engines.refimpl import RefimplEngine
 from crosscheck.scene import Scene
 from crosscheck.scene.parts import Method
@@ -89,3 +90,14 @@ def kicked(scene: Scene, at: float, particle: int, axis: int, kick: float) -> di
     rest = run(from_state(scene, first["positions"][-1], velocities, duration=scene.duration - at))
     joined = {name: np.concatenate([first[name], rest[name][1:]]) for name in ("positions", "velocities")}
     return joined | {"time": np.concatenate([first["time"], at + rest["time"][1:]])}
+
+
+def gap(time: float, **known: Any) -> Gap:
+    """Two frames of five particles that are the same."""
+    same = Gap(
+        time=time, same=True, beyond=None, differing=None, rms={"positions": 0.0}, largest={"positions": 0.0},
+        farthest={"positions": 7}, floor={"positions": 1e-16}, most={"positions": 1e-16}, extent=3.0, number=5,
+        missing=(0, 0), kinetic=(1.5, 1.5), finite=True, momentum=((0.0,) * 3, (3.0, 4.0, 0.0)),
+        momentum_rounding=1e-9, momentum_scale=5.0,
+    )  # fmt: skip
+    return same._replace(**known)

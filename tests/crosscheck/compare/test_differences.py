@@ -108,6 +108,10 @@ def test_particles_that_one_frame_lacks_are_counted() -> None:
     assert found.number == 2
     assert not found.same
     assert [list(rows) for rows in common_rows(one.ids, other.ids)] == [[0, 2], [0, 1]]
+    moved = between(one, other._replace(positions=np.array([[0.0, 0, 0], [0, 1, 0], [0, 0, 0]])))
+    assert moved.beyond is not None
+    assert (moved.beyond.particle, moved.farthest["positions"]) == (3, 3)
+    assert moved.largest["positions"] == 1.0
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -163,3 +167,11 @@ def test_distance_of_neighbours() -> None:
     flat = cube[cube[:, 2] == 0]
     assert spacing(frame(flat, box=box)) == pytest.approx(1.0)
     assert spacing(frame(np.zeros((1, 3)))) == 1.0
+
+
+def test_taking_off_edges_of_a_box_rounds_once_more() -> None:
+    x = 1.5
+    one, other = frame([[x, x, x]], box=CUBE), frame([[x, x, x + 2 * np.spacing(x)]], box=CUBE)
+    assert between(one, other).beyond is not None
+    assert between(one, other, nearest=True).beyond is None
+    assert between(one._replace(box=None), other._replace(box=None), nearest=True).beyond is not None

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import chi2
 
-from crosscheck.compare.growth import EPSILON, Rate, Separation, chaos_line, growth, measured_rate
+from crosscheck.compare.growth import EPSILON, LEVEL, Rate, Separation, chaos_line, growth, measured_rate
+from crosscheck.statistics import student_quantile
 from crosscheck.trajectories.frames import Floats
 
 TIMES = np.arange(0, 20, 0.1)
@@ -177,3 +179,65 @@ def test_the_rate_alone() -> None:
     assert found is not None
     assert found.value == pytest.approx(3.0)
     assert measured_rate(TIMES, np.full(len(TIMES), 1e-9), 1e-15, SPACING) is None
+
+
+def test_frames_count_from_twice_the_rounding_of_the_files() -> None:
+    values = chaotic(1e-16, 2.5)
+    law = growth(separation(values, 1e-12)).law
+    assert law is not None
+    assert law.frames is not None
+    assert law.frames[0] == np.flatnonzero(values > 2e-12)[0]
+    assert law.frames[1] == np.flatnonzero(values > 0.1 * SPACING)[0] - 1
+
+
+def test_without_growth_a_start_is_too_large_if_no_drift_within_its_error_makes_it_from_rounding() -> None:
+    """Seven frames from t = 1 on, whose ln s goes up and down by 2 a: no drift, with an error in proportion to a."""
+    times = np.arange(17) * 0.1
+    shown = np.arange(17) >= 10
+
+    def kind(a: float) -> str:
+        values = np.where(shown, 1e-6 * np.exp(-a * (-1.0) ** np.arange(17)), 0.0)
+        return growth(separation(values, times=times)).kind
+
+    error_of_one = 2 * math.sqrt(6 / 0.1 / 5) / math.sqrt(0.6)  # of the drift, for a = 1
+    explained = EPSILON["double"] * EXTENT * 200**1.5 + 1e-15
+    most = (math.log(1e-6) - math.log(explained)) / (1 + student_quantile(2 * LEVEL, 5.0) * error_of_one)
+    assert kind(0.99 * most) == "early"
+    assert kind(1.01 * most) == "unclear"
+
+
+@pytest.mark.parametrize("at", [20, 40])
+def test_a_jump_begins_where_the_tail_of_the_other_steps_ends(at: int) -> None:
+    """Steps of ln s of 0.2 +- 0.05 in turn, but for one: the others tell the rate, their scatter, and its doubt."""
+    steps = 0.2 + 0.05 * (-1.0) ** np.arange(len(TIMES))
+    steps[0] = 0.0
+    floor = 1e-15
+
+    def found(jump: float) -> Any:
+        values = 2e-14 * np.exp(np.cumsum(np.where(np.arange(len(TIMES)) == at, jump, steps)))
+        return growth(separation(np.where(np.arange(len(TIMES)) == 0, 0.0, values), floor, number=1))
+
+    def most(jump: float) -> tuple[float, float]:
+        values = 2e-14 * np.exp(np.cumsum(np.where(np.arange(len(TIMES)) == at, jump, steps)))
+        last = int(np.flatnonzero(values > 0.1 * SPACING)[0]) - 1
+        others = np.delete(steps[: last + 1], [0, 1, at])  # of the frames that tell the rate
+        value, freedom = others.mean() / 0.1, len(others) - 1
+        scatter = math.sqrt(((others - value * 0.1) ** 2).sum() / 0.1 / freedom)
+        raised = scatter * math.sqrt(freedom / chi2.ppf(1e-3, freedom))
+        before = values[at - 1] + floor + EPSILON["double"] * EXTENT * 0.1 / STEP
+        tail = math.log(len(TIMES) / LEVEL) * min(raised, max(scatter, math.sqrt(value))) * math.sqrt(0.1)
+        pairs = 100.0 * (0.1 / STEP) * before / SPACING
+        cutoff = 0.0 if pairs < LEVEL else 2 * 1.5 / 0.1 * STEP**2 * math.sqrt(2.0)
+        return float(before * math.exp(value * 0.1 + tail) + cutoff * math.exp(value * 0.1)), values[at - 1]
+
+    lowest, highest = 0.2, 40.0
+    for _ in range(60):  # the jump that is just explained
+        jump = (lowest + highest) / 2
+        explained, before = most(jump)
+        inside = before * math.exp(jump) <= explained + 2 * floor
+        lowest, highest = (jump, highest) if inside else (lowest, jump)
+    assert found(lowest - 1e-3).kind != "jump"
+    parted = found(lowest + 1e-3)
+    assert parted.kind == "jump"
+    assert parted.parting.frame == at
+    assert parted.parting.expected == pytest.approx(most(lowest + 1e-3)[0], rel=1e-6)

@@ -60,6 +60,11 @@ def test_steps_go_before_the_order_and_times_before_steps() -> None:
     found = pair(timed, nothing)
     assert found.clock == "order"
     assert "by their order" in found.remarks[0]
+    for one, other in ((nothing, source([np.nan] * 5, name="two")), (source([np.nan] * 5, name="two"), nothing)):
+        found = pair(one, other)
+        assert list(found.first) == list(found.second) == [0, 1, 2]
+        assert list(found.times) == [0, 1, 2]
+        assert found.remarks[1:] == ("2 of 5 frames of two have no counterpart.",)
 
 
 def test_units_are_converted_and_said() -> None:

@@ -45,7 +45,10 @@ def test_twenty_runs_of_which_one_parts_at_a_known_step() -> None:
 
 def test_those_that_are_the_same_never_leave() -> None:
     times = np.arange(10.0)
-    found = replicas([in_memory(str(k), times, x) for k, x in enumerate(copies(3))])
+    told: list[tuple[int, int]] = []
+    sources = [in_memory(str(k), times, x) for k, x in enumerate(copies(3))]
+    found = replicas(sources, lambda done, total: told.append((done, total)))
+    assert told == [(1, 3), (2, 3), (3, 3)]
     assert found.left == {}
     assert found.groups == (3,)
     assert found.frames == 10

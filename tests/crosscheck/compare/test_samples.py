@@ -107,10 +107,13 @@ def test_displacements_are_those_of_mdanalysis() -> None:
     universe = Universe.empty(NUMBER, trajectory=True).load_new(still)
     theirs = EinsteinMSD(universe, fft=False).run().results.timeseries
     edges = np.linspace(0.0, 1.0, 3)
-    ours = series_of(in_memory("still", one.times, still).frames(), False, edges)
+    ours = series_of(in_memory("still", one.times, still, one.velocities).frames(), False, edges)
+    assert one.velocities is not None
     for lag in (1, 4, 16):
         # their positions have 32 bits
         assert ours[f"mean square displacement over {lag} frames"].mean() == pytest.approx(theirs[lag], rel=1e-5)
+        products = [np.sum(one.velocities[k] * one.velocities[k + lag], axis=1).mean() for k in range(FRAMES - lag)]
+        assert ours[f"velocity autocorrelation over {lag} frames"] == pytest.approx(products, rel=1e-12)
 
 
 def test_neighbours_are_those_of_mdanalysis() -> None:
@@ -129,6 +132,16 @@ def test_neighbours_are_those_of_mdanalysis() -> None:
     ours = series_of(source.frames(), False, edges)
     counts = [values.sum() * NUMBER for name, values in ours.items() if name.startswith("neighbours")]
     assert counts == pytest.approx(rdf.results.count.tolist(), rel=1e-9)
+
+
+def test_of_many_particles_some_are_looked_at() -> None:
+    """200,000 pairs of a frame: of 2000 particles, every twentieth."""
+    positions = np.random.default_rng(8).random((1, 2000, 3)) * SIDE
+    source = in_memory("gas", np.zeros(1), positions, box=gas(1).box)
+    found = series_of(source.frames(), False, shell_edges(source.read(0)))
+    counts = np.array([float(values[0]) for name, values in found.items() if name.startswith("neighbours")])
+    assert counts.sum() > 50
+    assert counts * 100 == pytest.approx(np.rint(counts * 100), abs=1e-9)
 
 
 def series(rng: np.random.Generator, length: int, correlation: float) -> Floats:

@@ -56,6 +56,7 @@ def frame(**known: Any) -> Frame:
 def test_what_is_different_is_told(changes: dict[str, Any], told: str) -> None:
     (found,) = different_setup(frame(), frame(**changes), ROUNDING)
     assert told in found
+    assert "and 0 more" not in found
 
 
 def test_particles_that_are_missing_are_told() -> None:

@@ -43,6 +43,16 @@ def test_the_first_number_that_differs_and_the_statistics() -> None:
     assert found.classed == "same_statistics"
     assert found.beyond is not None
     assert (found.beyond.time, found.beyond.column) == (10.0, "pressure")
+    assert found.bits == found.beyond
+    other.columns["energy"][5] += 1e-9  # earlier, in a column that comes first
+    earlier = compare_tables(one, other)
+    assert earlier.bits is not None
+    assert (earlier.bits.time, earlier.bits.column) == (2.5, "energy")
+    other.columns["pressure"][3] += 1e-9
+    earliest = compare_tables(one, other)
+    assert earliest.bits == earliest.beyond
+    assert earliest.bits is not None
+    assert (earliest.bits.time, earliest.bits.column) == (1.5, "pressure")
     shifted = compare_tables(one, table(3, shift=0.8))
     assert shifted.classed == "different_statistics"
     assert "pressure" in shifted.sentence

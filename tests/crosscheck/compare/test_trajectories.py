@@ -11,6 +11,8 @@ import pytest
 from pairs_of_runs import NUMBER, from_state, kicked, liquid, run, trajectory
 
 from crosscheck.compare.growth import Rate
+from crosscheck.compare.pairing import pair
+from crosscheck.compare.samples import FEWEST, compare_samples
 from crosscheck.compare.trajectories import Comparison, compare_trajectories
 from crosscheck.engines.workers.pool import Worker
 from crosscheck.trajectories.frames import Floats, Units
@@ -64,8 +66,8 @@ def test_wrapped_positions_are_the_same_within_rounding() -> None:
 @pytest.mark.parametrize("rounding", ["float32", "%g"])
 def test_a_rounded_file_is_the_same_within_its_rounding(rounding: str) -> None:
     whole, rounded = trajectory(scene(), base(), "one"), trajectory(scene(), base(), "two", rounding)
-    for pair in ((whole, rounded), (rounded, whole)):
-        found = compare_trajectories(*pair)
+    for both in ((whole, rounded), (rounded, whole)):
+        found = compare_trajectories(*both)
         assert found.classed == "same_within_rounding"
         assert found.bits is not None
 
@@ -209,6 +211,7 @@ def test_chaos_is_told_from_frames_that_begin_late() -> None:
     found = compare_trajectories(trajectory(scene(), base(), "one"), shuffled(late, list(range(60, 121))))
     assert found.classed == "chaos_only"
     assert found.separation.origin == 0.0
+    assert compare_trajectories(late, trajectory(scene(), base(), "one")).separation.origin == 0.0
 
 
 def test_particles_may_be_in_another_order_and_lost() -> None:
@@ -269,11 +272,23 @@ def test_chaos_is_told_from_files_that_state_steps_in_place_of_times() -> None:
 
 def test_too_few_frames_are_inconclusive_unless_the_rate_is_known() -> None:
     start = scene().own_start().positions[17, 0]
-    pair = [
+    few = [
         shuffled(trajectory(scene(), arrays, name), [0, 40, 80, 120])
         for name, arrays in (("one", base()), ("two", displaced(float(np.spacing(start)))))
     ]
-    assert compare_trajectories(pair[0], pair[1]).classed == "inconclusive"
-    assert compare_trajectories(pair[0], pair[1], rate=Rate(3.6, 0.4, 30.0)).classed == "chaos_only"
+    assert compare_trajectories(few[0], few[1]).classed == "inconclusive"
+    assert compare_trajectories(few[0], few[1], rate=Rate(3.6, 0.4, 30.0)).classed == "chaos_only"
     half = shuffled(trajectory(scene(), run(scene(), 0.0025), "two", dt=0.0025), [0, 40, 80, 120])
-    assert compare_trajectories(pair[0], half, rate=Rate(3.6, 0.4, 30.0)).classed == "different_dynamics"
+    assert compare_trajectories(few[0], half, rate=Rate(3.6, 0.4, 30.0)).classed == "different_dynamics"
+
+
+def test_statistics_begin_where_chaos_has_made_the_runs_strangers() -> None:
+    one, two = trajectory(scene(), base(), "one"), trajectory(scene(), displaced(1e-12), "two")
+    told: list[tuple[int, int]] = []
+    found = compare_trajectories(one, two, progress=lambda done, total: told.append((done, total)))
+    assert told == [(k, 121) for k in range(1, 122)]
+    first = int(np.flatnonzero(found.separation.values > found.separation.spacing)[0])
+    assert 0.2 * 121 < first < 121 - FEWEST
+    assert str(found.tested) == str(compare_samples(one, two, pair(one, two), first / 121))
+    early = compare_trajectories(one, two, "statistics").tested
+    assert str(early) == str(compare_samples(one, two, pair(one, two), 0.2))

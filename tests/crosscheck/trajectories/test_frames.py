@@ -40,6 +40,8 @@ def test_some_of_the_particles() -> None:
 def test_no_id_is_there_twice() -> None:
     with pytest.raises(ValueError, match="two particles have the id 7"):
         ordered(FRAME._replace(ids=np.array([7, 2, 7])))
+    with pytest.raises(ValueError, match="two particles have the id 2"):
+        ordered(FRAME._replace(ids=np.array([2, 7, 2])))
 
 
 def test_a_rounding_is_absolute_and_relative() -> None:

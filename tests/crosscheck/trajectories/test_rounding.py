@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from crosscheck.columns import SAMPLE
-from crosscheck.trajectories.frames import DOUBLE, SINGLE
+from crosscheck.trajectories.frames import DOUBLE, SINGLE, Rounding
 from crosscheck.trajectories.rounding import coarsest, of_decimals, scaled, unwrapped
 
 #: Numbers of a run: positions in a box, velocities, in any unit.
@@ -148,3 +148,17 @@ FORMATS: list[Callable[[float], str]] = [lambda x: f"{x:20.15g}", lambda x: f"{x
 def test_signs_and_capitals(form: Callable[[float], str]) -> None:
     values = numbers(3, 50.0)
     check(values, [form(float(value)).strip() for value in values])
+
+
+def test_images_round_by_the_largest_component_of_the_edges() -> None:
+    tilted = np.array([[10.0, 0, 0], [9, 8, 0], [-7, 6, 5]])  # along x, three edges sum up to 26
+    assert unwrapped(SINGLE, tilted).absolute == pytest.approx((SINGLE.relative + 4 * DOUBLE.relative) * 26, rel=1e-12)
+    absolute = scaled(Rounding(1e-6, 0.0, "6 decimals"), tilted, np.zeros(3), 1.0).absolute
+    assert absolute == pytest.approx(26e-6, rel=1e-6)
+
+
+def test_twenty_different_numbers_tell_their_digits_and_fewer_count_as_six() -> None:
+    words = [f"{k / 7 + k:.4g}" for k in range(101, 200, 5) if f"{k / 7 + k:.4g}"[-1] != "0"][:19]
+    assert len(set(words)) == 19
+    assert of_decimals(words).relative == pytest.approx(5e-6, rel=0.02)
+    assert of_decimals([*words, "0.1234"]).relative == pytest.approx(5e-4, rel=0.02)

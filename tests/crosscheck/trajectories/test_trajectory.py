@@ -1,5 +1,7 @@
 """What a trajectory says of a run, and the box that is made for formats in which every trajectory has one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hard_disks import EVENTS, disks, fall
@@ -124,3 +126,11 @@ def test_a_box_around_any_trajectory_is_finite_and_holds_what_walls_and_periods_
             assert box[axis, 0] < x.min()
             assert x.max() < box[axis, 1]
             assert box[axis, 0] <= 0 or trajectory.cell[axis] == 0
+
+
+def test_points_far_from_the_origin_are_inside_a_box_that_single_precision_tells():
+    scene = disks(box=None, hard_spheres=None, spring=Spring(k=1.0), initial=Explicit(positions=((1e9, -2e9),)))
+    found = replace(trajectory_of(scene, fall(scene)), positions=np.array([[[1e9, -2e9, 0.0]]]))
+    assert box_around(found)[:2] == pytest.approx(
+        np.array([[1e9 - 1e3, 1e9 + 1e3], [-2e9 - 2e3, -2e9 + 2e3]]), rel=1e-12
+    )
