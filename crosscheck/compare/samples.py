@@ -196,19 +196,19 @@ def _shells(frame: Frame, edges: Floats) -> Iterator[tuple[str, float]]:
     number, largest = len(frame.ids), float(edges[-1])
     if number < 2 or largest == 0:
         return
+    # lengths in units of the largest: MDAnalysis takes edges below 1e-7, as of atoms in metres, for none
     dimensions, lower = None, np.zeros(3)
     if frame.box is not None and frame.box.periodic.any():
         # beyond an axis that is not periodic there is nothing, as far as the shells reach
         alone = ~frame.box.periodic | flat_axes(frame.positions)
         room = np.ptp(frame.positions, axis=0) + 3 * largest
         vectors = np.where(alone[:, None], np.diag(room), frame.box.vectors)
-        dimensions = triclinic_box(*vectors)
+        dimensions = triclinic_box(*(vectors / largest))
         lower = np.where(alone, frame.positions.min(axis=0), frame.box.lower)
-    positions = np.asarray(frame.positions - lower, dtype=np.float32)
+    positions = np.asarray((frame.positions - lower) / largest, dtype=np.float32)
     chosen = positions[:: max(1, min(math.ceil(number**2 / _PAIRS), number // _CHOSEN))]
-    nearest = _NOT_ITSELF * largest
-    _, distances = capped_distance(chosen, positions, largest, min_cutoff=nearest, box=dimensions, method="bruteforce")
-    counts, _ = np.histogram(distances, bins=edges)
+    _, distances = capped_distance(chosen, positions, 1.0, min_cutoff=_NOT_ITSELF, box=dimensions, method="bruteforce")
+    counts, _ = np.histogram(distances, bins=edges / largest)
     for count, low, high in zip(counts, edges[:-1], edges[1:], strict=True):
         yield f"neighbours at distances {low:.3g} to {high:.3g}", float(count) / len(chosen)
 

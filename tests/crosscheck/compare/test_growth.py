@@ -241,3 +241,27 @@ def test_a_jump_begins_where_the_tail_of_the_other_steps_ends(at: int) -> None:
     assert parted.kind == "jump"
     assert parted.parting.frame == at
     assert parted.parting.expected == pytest.approx(most(lowest + 1e-3)[0], rel=1e-6)
+
+
+def test_chaos_is_not_claimed_where_the_start_is_larger_than_rounding_but_not_for_certain() -> None:
+    limit = EPSILON["double"] * EXTENT / (2.5 * STEP)
+    kinds = []
+    for seed in range(20):
+        found = growth(separation(chaotic(3 * limit, 2.5, 0.4, seed), 1e-9))
+        assert found.law is not None
+        if found.law.start > found.law.limit:
+            kinds.append(found.kind)
+    assert len(kinds) > 5
+    assert set(kinds) == {"unclear"}
+
+
+def test_chaos_is_not_claimed_after_a_step_that_is_unlikely() -> None:
+    """Growth by e^1.8 in one frame, where the others grow by e^(0.2 +- 0.1), is no jump for certain, but no proof."""
+    steps = 0.2 + 0.1 * (-1.0) ** np.arange(len(TIMES))
+    kinds = []
+    for jump in (0.3, 1.8, 9.0):
+        steps[60] = jump
+        values = 2e-14 * np.exp(np.cumsum(steps))
+        values[0] = 0.0
+        kinds.append(growth(separation(values, number=1)).kind)
+    assert kinds == ["chaos", "unclear", "jump"]

@@ -134,6 +134,18 @@ def test_neighbours_are_those_of_mdanalysis() -> None:
     assert counts == pytest.approx(rdf.results.count.tolist(), rel=1e-9)
 
 
+@pytest.mark.parametrize("unit", [1e-10, 1e6])
+def test_neighbours_do_not_depend_on_the_unit_of_length(unit: float) -> None:
+    positions = np.random.default_rng(8).random((1, NUMBER, 3)) * SIDE
+    box = gas(1).box
+    assert box is not None
+    here = in_memory("a", np.zeros(1), positions, box=box)
+    there = in_memory("b", np.zeros(1), positions * unit, box=box._replace(vectors=box.vectors * unit))
+    mine, yours = (series_of(one.frames(), False, shell_edges(one.read(0))) for one in (here, there))
+    assert [float(one[0]) for one in mine.values()] == pytest.approx([float(one[0]) for one in yours.values()], abs=0.1)
+    assert sum(float(one[0]) for one in mine.values()) > 1
+
+
 def test_of_many_particles_some_are_looked_at() -> None:
     """200,000 pairs of a frame: of 2000 particles, every twentieth."""
     positions = np.random.default_rng(8).random((1, 2000, 3)) * SIDE

@@ -246,6 +246,14 @@ def test_numbers_that_are_not_finite_are_a_difference() -> None:
     assert "t = 7.5 (step 1500), a number is not finite" in found.sentence
 
 
+def test_what_the_files_leave_open_is_said_with_their_names() -> None:
+    one, two = (
+        replace(trajectory(scene(), base(), name), remarks=(text,))
+        for name, text in (("one", "it is red."), ("two", "x."))
+    )
+    assert compare_trajectories(one, two).remarks == ("one: it is red.", "two: x.")
+
+
 def test_a_tolerance_is_a_distance() -> None:
     one = trajectory(scene(), base(), "one")
     moved = dict(base())

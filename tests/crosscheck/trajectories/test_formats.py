@@ -75,6 +75,11 @@ def test_what_nobody_asked_for_is_not_refused(scene):
     check_formats((), scene)
 
 
+def test_a_run_without_positions_has_no_trajectory(tmp_path):
+    assert write_trajectories(tmp_path, "free", disks(), {"time": np.arange(3.0)}) == []
+    assert list(tmp_path.iterdir()) == []
+
+
 # -- a scene that starts from the last frame -----------------------------------------------------------------
 
 
