@@ -51,6 +51,12 @@ UNCLEAR = [quantity("mean v^2", "unclear")]
             "no particle is further from itself than 5.0e-01 (rounding of the files: 1.0e-16)",
         ),
         (
+            evidence(gaps=[gap(0.0, same=False, largest={}, floor={})]),
+            "chaos",
+            "same_within_rounding",
+            "no particle is further from itself than 0.0e+00 (rounding of the files: 0.0e+00)",
+        ),
+        (
             evidence(start=True, gaps=[apart(0.0)]),
             "chaos",
             "different_setup",

@@ -71,6 +71,13 @@ def test_of_two_the_second_leaves() -> None:
     assert replicas([in_memory(str(k), times, x) for k, x in enumerate(arrays)]).left == {1: 3}
 
 
+def test_one_frame_is_enough() -> None:
+    arrays = copies(3, 1)
+    arrays[1] += 1.0
+    found = replicas([in_memory(str(k), np.zeros(1), x) for k, x in enumerate(arrays)])
+    assert (found.left, found.frames) == ({1: 0}, 1)
+
+
 def test_minus_zero_is_zero() -> None:
     times, arrays = np.arange(10.0), copies(2)
     arrays[0][5, 1, 1], arrays[1][5, 1, 1] = 0.0, -0.0

@@ -134,6 +134,22 @@ def test_neighbours_are_those_of_mdanalysis() -> None:
     assert counts == pytest.approx(rdf.results.count.tolist(), rel=1e-9)
 
 
+def test_in_open_space_distances_are_what_they_are_and_in_a_small_box_shells_end_at_half_of_it() -> None:
+    positions = np.random.default_rng(8).random((1, NUMBER, 3)) * SIDE
+    source = in_memory("open", np.zeros(1), positions)
+    edges = shell_edges(source.read(0))
+    found = series_of(source.frames(), False, edges)
+    apart = np.linalg.norm(positions[0][:, None] - positions[0], axis=2)[np.triu_indices(NUMBER, 1)]
+    counts, _ = np.histogram(apart, bins=edges)
+    shown = [float(values[0]) for name, values in found.items() if name.startswith("neighbours")]
+    assert [one * NUMBER for one in shown] == pytest.approx((2 * counts).tolist(), rel=1e-9)
+    few = in_memory("few", np.zeros(1), positions[:, :8], box=gas(1).box).read(0)
+    assert shell_edges(few)[-1] == SIDE / 2
+    assert few.box is not None
+    walls = few._replace(box=few.box._replace(periodic=np.zeros(3, dtype=bool)))
+    assert shell_edges(walls)[-1] == pytest.approx(3 * (1000 / 8) ** (1 / 3))
+
+
 @pytest.mark.parametrize("unit", [1e-10, 1e6])
 def test_neighbours_do_not_depend_on_the_unit_of_length(unit: float) -> None:
     positions = np.random.default_rng(8).random((1, NUMBER, 3)) * SIDE
