@@ -235,12 +235,10 @@ def nearest_image(apart: Floats, box: Box) -> Floats:
 
     apart: differences, (N, 3), length. box: with its periodic axes.
     """
-    active = box.periodic & (np.abs(box.vectors).sum(axis=1) > 0)
-    if not active.any():
+    if not box.around.any():
         return apart
-    edges = box.vectors + np.diag((np.abs(box.vectors).sum(axis=1) == 0).astype(np.float64))
-    images = np.rint(apart @ np.linalg.inv(edges)) * active
-    return apart - images @ edges if images.any() else apart
+    images = np.rint(apart @ box.shares) * box.around
+    return apart - images @ box.vectors if images.any() else apart
 
 
 def spacing(frame: Frame) -> float:

@@ -16,8 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from crosscheck.compare.differences import converted, flat_axes, frames_of, informed, nearest_image, spacing
+from crosscheck.compare.differences import converted, frames_of, informed, nearest_image, spacing
 from crosscheck.compare.pairing import Pairing
+from crosscheck.compare.pairs import largest_reach, pairs_within
 from crosscheck.statistics import Mean, correlated_mean, seen_beyond, student_probability, student_quantile
 from crosscheck.trajectories.frames import Floats, Frame, Source
 
@@ -32,8 +33,6 @@ _LAGS = (1, 4, 16)
 #: Shells of distances of pairs, up to `_REACH` times the distance of neighbours, and most pairs of a frame that are
 #: looked at: those of all particles, or of as many as that allows, but ten.
 _SHELLS, _REACH, _PAIRS, _CHOSEN = 12, 3.0, 2e5, 10
-#: A distance below this share of the largest is that of a particle from itself, with 32 bits of a coordinate.
-_NOT_ITSELF = 1e-5
 #: Fewest frames, or rows, whose statistics are looked at.
 FEWEST = 24
 #: Share of the run at its start that is left out: what both runs have of their common start.
@@ -179,36 +178,19 @@ def _of_one(frame: Frame, edges: Floats) -> Iterator[tuple[str, float]]:
 def shell_edges(frame: Frame) -> Floats:
     """Distances that bound the shells in which neighbours are counted, length; the same for all frames of both runs.
 
-    frame: the first of the first run. Up to three distances of neighbours, and less than half of a periodic edge.
+    frame: the first of the first run. Up to three distances of neighbours, and less than half of a periodic box.
     """
-    largest = _REACH * spacing(frame)
-    if frame.box is not None:
-        sides = np.linalg.norm(frame.box.vectors, axis=1)[frame.box.periodic & ~flat_axes(frame.positions)]
-        largest = min(largest, *(float(side) / 2 for side in sides)) if sides.size else largest
+    largest = min(_REACH * spacing(frame), largest_reach(frame))
     return np.linspace(0.0, largest, _SHELLS + 1)
 
 
 def _shells(frame: Frame, edges: Floats) -> Iterator[tuple[str, float]]:
-    """Number of neighbours of a particle in shells of distance, with a search by MDAnalysis."""
-    from MDAnalysis.lib.distances import capped_distance
-    from MDAnalysis.lib.mdamath import triclinic_box
-
+    """Number of neighbours of a particle in shells of distance."""
     number, largest = len(frame.ids), float(edges[-1])
     if number < 2 or largest == 0:
         return
-    # lengths in units of the largest: MDAnalysis takes edges below 1e-7, as of atoms in metres, for none
-    dimensions, lower = None, np.zeros(3)
-    if frame.box is not None and frame.box.periodic.any():
-        # beyond an axis that is not periodic there is nothing, as far as the shells reach
-        alone = ~frame.box.periodic | flat_axes(frame.positions)
-        room = np.ptp(frame.positions, axis=0) + 3 * largest
-        vectors = np.where(alone[:, None], np.diag(room), frame.box.vectors)
-        dimensions = triclinic_box(*(vectors / largest))
-        lower = np.where(alone, frame.positions.min(axis=0), frame.box.lower)
-    positions = np.asarray((frame.positions - lower) / largest, dtype=np.float32)
-    chosen = positions[:: max(1, min(math.ceil(number**2 / _PAIRS), number // _CHOSEN))]
-    _, distances = capped_distance(chosen, positions, 1.0, min_cutoff=_NOT_ITSELF, box=dimensions, method="bruteforce")
-    counts, _ = np.histogram(distances, bins=edges / largest)
+    chosen = np.arange(0, number, max(1, min(math.ceil(number**2 / _PAIRS), number // _CHOSEN)))
+    counts, _ = np.histogram(pairs_within(frame, largest, chosen).distances, edges)
     for count, low, high in zip(counts, edges[:-1], edges[1:], strict=True):
         yield f"neighbours at distances {low:.3g} to {high:.3g}", float(count) / len(chosen)
 

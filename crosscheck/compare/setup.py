@@ -50,7 +50,7 @@ def different_setup(first: Frame, second: Frame, roundings: dict[str, tuple[Roun
             sum(one.of(box) for one, box in zip(roundings["box"], edges, strict=True)) + _EDGES * np.abs(edges[0]).max()
         )
         # a plane has no edge across in one file, and a thin one in another
-        both = np.logical_and(*(np.abs(one).sum(axis=1) > 0 for one in edges))
+        both = first.box.extended & second.box.extended
         if len(first.positions) > 1:
             both &= ~flat_axes(first.positions)
         if (np.abs(edges[0] - edges[1]) > allowed)[both].any():
@@ -68,7 +68,7 @@ def _periodic(first: Frame, second: Frame) -> list[str]:
         return []
     # along an axis that the plane does not have, LAMMPS wants a periodic box
     still = flat_axes(first.positions) if len(first.positions) > 1 else first.positions[0] == 0
-    mine, yours = (box.periodic & (np.abs(box.vectors).sum(axis=1) > 0) & ~still for box in (first.box, second.box))
+    mine, yours = (box.around & ~still for box in (first.box, second.box))
     if (mine == yours).all():
         return []
     named = [", ".join(axis for axis, is_one in zip("xyz", axes, strict=True) if is_one) for axes in (mine, yours)]

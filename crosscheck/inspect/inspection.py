@@ -90,9 +90,7 @@ def _collect(setting: Setting, collectors: list[Collector], progress: Callable[[
     total = len(setting.source)
     for index in range(total):
         try:
-            frame = setting.source.read(index)
-            if frame.box is None:
-                frame = frame._replace(box=setting.first.box)
+            frame = setting.boxed(setting.source.read(index))
             reason = _unusable(frame, setting)
         except (ValueError, OSError, EOFError) as error:
             reason = f"cannot be read ({first_line(error)})"

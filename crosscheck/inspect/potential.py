@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from crosscheck.inspect.pairs import pairs_within
+from crosscheck.compare.pairs import pairs_within
 from crosscheck.references.lennard_jones import pair_sum
 from crosscheck.references.smooth_forces import smooth
 from crosscheck.scene import Floats, Scene

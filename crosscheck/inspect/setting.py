@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.compare.differences import spacing
+from crosscheck.compare.differences import informed, spacing
 from crosscheck.compare.growth import EPSILON
 from crosscheck.errors import UsageError
 from crosscheck.files import shown_path
@@ -84,18 +84,19 @@ class Conserved(NamedTuple):
 class Setting:
     """A trajectory, and what is known of it.
 
-    source: its frames. scene: what was run; None: not known. first: its first frame. ensemble: what it is taken for.
-    temperature: k_B T that it should have, mass velocity^2 of the file; None: not known. axes: numbers of those along
-    which particles move. species: of each particle, (N,), counted from 0, and names: of them. masses: (N,), mass; None:
-    not known. diameters: (N,), length; None: not known, or of no meaning. hard: particles must not overlap.
-    homogeneous: g(r) must go to 1. moving: (N,), those that are not fixed. constraints: number of constrained degrees
-    of freedom. begin: number of the first frame of equilibrium statistics. clock: times of the frames. conserved: see
-    there. epsilon: distance from one number to the next, relative, in the run's arithmetic. remarks: whole sentences on
-    what was assumed.
+    source: its frames. scene: what was run; None: not known. box: that of the scene, else of the first frame; None:
+    there is none. first: its first frame. ensemble: what it is taken for. temperature: k_B T that it should have, mass
+    velocity^2 of the file; None: not known. axes: numbers of those along which particles move. species: of each
+    particle, (N,), counted from 0, and names: of them. masses: (N,), mass; None: not known. diameters: (N,), length;
+    None: not known, or of no meaning. hard: particles must not overlap. homogeneous: g(r) must go to 1. moving: (N,),
+    those that are not fixed. constraints: number of constrained degrees of freedom. begin: number of the first frame of
+    equilibrium statistics. clock: times of the frames. conserved: see there. epsilon: distance from one number to the
+    next, relative, in the run's arithmetic. remarks: whole sentences on what was assumed.
     """
 
     source: Source
     scene: Scene | None
+    box: Box | None
     first: Frame
     ensemble: Ensemble
     temperature: float | None
@@ -113,6 +114,10 @@ class Setting:
     conserved: Conserved
     epsilon: float
     remarks: tuple[str, ...] = field(default=())
+
+    def boxed(self, frame: Frame) -> Frame:
+        """A frame with the box of the scene, or of the first frame, where it says nothing of its own. frame: of it."""
+        return frame._replace(box=self.box) if frame.box is None else informed(frame, self.box)
 
     @cached_property
     def number(self) -> int:
@@ -194,8 +199,8 @@ def setting_of(source: Source, scene: Scene | None, options: Options) -> Setting
     first = _read(source, 0)
     if scene is not None:
         _check_scene(source, scene, first)
-        if first.box is None:
-            first = first._replace(box=_box(scene))
+        box = box_of(scene)
+        first = first._replace(box=box) if first.box is None else informed(first, box)
     second = _second(source, first)
     remarks = []
     species, names = _species(first, scene)
@@ -229,6 +234,7 @@ def setting_of(source: Source, scene: Scene | None, options: Options) -> Setting
     return Setting(
         source,
         scene,
+        first.box if scene is None else box,
         first,
         ensemble,
         temperature,
@@ -267,8 +273,8 @@ def _second(source: Source, first: Frame) -> Frame:
         return first
 
 
-def _box(scene: Scene) -> Box | None:
-    """The box of a scene, for files that state none."""
+def box_of(scene: Scene) -> Box | None:
+    """The box of a scene in space; None: it has none. scene: what was run."""
     lengths = scene.lengths()
     if lengths is None:
         return None

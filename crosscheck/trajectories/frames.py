@@ -63,6 +63,21 @@ class Box(NamedTuple):
     periodic: NDArray[np.bool_]
     stated: bool = True
 
+    @property
+    def extended(self) -> NDArray[np.bool_]:
+        """Along which of its edges it has an extent, (3,): a plane has none across."""
+        return np.asarray(self.vectors.any(axis=1))
+
+    @property
+    def around(self) -> NDArray[np.bool_]:
+        """Along which of its edges it has images, (3,)."""
+        return self.periodic & self.extended
+
+    @property
+    def shares(self) -> Floats:
+        """The matrix that turns a row of lengths into shares of its edges, (3, 3), 1/length; 1 without an extent."""
+        return np.asarray(np.linalg.inv(self.vectors + np.diag(~self.extended * 1.0)))
+
 
 class Frame(NamedTuple):
     """N particles at one time, in the units of the file, in the order of their ids.

@@ -59,8 +59,7 @@ def of_property(source: Source, name: str, scene: Scene | None = None, **options
         return collector
     before = None
     for index in range(len(source)):
-        frame = source.read(index)
-        view = View(setting, index, frame if frame.box is not None else frame._replace(box=setting.first.box), before)
+        view = View(setting, index, setting.boxed(source.read(index)), before)
         collector.add(view)
         view.before, before = None, view
     return collector.judge(ONCE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.inspect.pairs import Pairs, largest_reach, pairs_within
+from crosscheck.compare.pairs import Pairs, largest_reach, pairs_within
 from crosscheck.inspect.property import Collector, Property, Told, none_of
 from crosscheck.inspect.setting import Setting
 from crosscheck.inspect.view import View

@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from crosscheck.compare.pairs import largest_reach, pairs_within
 from crosscheck.figure import Figure, Series
-from crosscheck.inspect.pairs import largest_reach, pairs_within
 from crosscheck.inspect.property import Collector, Property, Told
 from crosscheck.inspect.setting import Setting
 from crosscheck.inspect.view import View

@@ -6,9 +6,9 @@ import numpy as np
 
 from crosscheck.compare.setup import different_setup
 from crosscheck.inspect.property import Collector, Property, Told, none_of
-from crosscheck.inspect.setting import Setting
+from crosscheck.inspect.setting import Setting, box_of
 from crosscheck.inspect.view import View
-from crosscheck.trajectories.frames import DOUBLE, Box, Frame
+from crosscheck.trajectories.frames import DOUBLE, Frame
 
 
 class _Setup(Collector):
@@ -21,12 +21,8 @@ class _Setup(Collector):
     def judge(self, once: float) -> Told:
         setting = self._setting
         rounding = {name: (setting.source.rounding[name], DOUBLE) for name in ("masses", "diameters", "box")}
-        first = setting.first
-        expected = _expected(setting)
-        if first.box is None or expected.box is None:
-            first = first._replace(box=None)
-        found = different_setup(first, expected, rounding)
-        why = "masses, diameters, types and edges of the scene, within the file's rounding; the file's come first"
+        found = different_setup(setting.first, _expected(setting), rounding)
+        why = "masses, diameters, types and box of the scene, within the file's rounding; the file's come first"
         return Told((none_of("differences from the scene", len(found), why, "; ".join(found)),))
 
 
@@ -34,17 +30,9 @@ def _expected(setting: Setting) -> Frame:
     """The first frame as the scene has it, as far as the set-up goes."""
     scene, first = setting.scene, setting.first
     assert scene is not None
-    lengths = scene.lengths()
-    box = None
-    if lengths is not None:
-        edges = np.zeros(3)
-        edges[: scene.dimension] = lengths
-        if first.box is not None:  # programs of three dimensions give a plane some thickness
-            edges[scene.dimension :] = np.diag(first.box.vectors)[scene.dimension :]
-        box = Box(np.diag(edges), np.zeros(3), np.zeros(3, dtype=bool))
     types = None if scene.species is None else np.array(scene.species)
     masses = np.broadcast_to(np.asarray(scene.masses, dtype=np.float64), (len(first.ids),))
-    return Frame(0.0, 0, first.ids, first.positions, None, None, types, masses, scene.diameters(), box)
+    return Frame(0.0, 0, first.ids, first.positions, None, None, types, masses, scene.diameters(), box_of(scene))
 
 
 def _begin(setting: Setting) -> Collector | str:

@@ -100,8 +100,7 @@ class _Wrapping(Collector):
         """Positions go on and on."""
         assert box is not None
         edges = np.linalg.norm(box.vectors, axis=1)
-        active = box.periodic & (edges > 0)
-        far = [AXES[axis] for axis in np.flatnonzero(active) if self._usual[axis] > _USUAL * edges[axis]]
+        far = [AXES[axis] for axis in np.flatnonzero(box.around) if self._usual[axis] > _USUAL * edges[axis]]
         if far:
             return Told((), (f"jumps by an edge cannot be told: particles go far between frames, along {far[0]}.",))
         note = ""
@@ -114,9 +113,7 @@ class _Wrapping(Collector):
 
 def _along_edges(vectors: Floats, box: Box) -> Floats:
     """Vectors (n, 3) as multiples of the edges of a box; 0 along those that are not periodic."""
-    active = box.periodic & (np.abs(box.vectors).sum(axis=1) > 0)
-    edges = box.vectors + np.diag((np.abs(box.vectors).sum(axis=1) == 0).astype(np.float64))
-    return np.asarray(vectors @ np.linalg.inv(edges) * active)
+    return np.asarray(vectors @ box.shares * box.around)
 
 
 def _beyond(positions: Floats, box: Box) -> Floats:
@@ -128,7 +125,7 @@ def _beyond(positions: Floats, box: Box) -> Floats:
 
 def _begin(setting: Setting) -> Collector | str:
     box = setting.first.box
-    if box is None or not box.periodic[np.abs(box.vectors).sum(axis=1) > 0].any():
+    if box is None or not box.around.any():
         return "no axis of a box is periodic"
     return _Wrapping(setting)
 

@@ -144,7 +144,7 @@ def test_in_open_space_distances_are_what_they_are_and_in_a_small_box_shells_end
     shown = [float(values[0]) for name, values in found.items() if name.startswith("neighbours")]
     assert [one * NUMBER for one in shown] == pytest.approx((2 * counts).tolist(), rel=1e-9)
     few = in_memory("few", np.zeros(1), positions[:, :8], box=gas(1).box).read(0)
-    assert shell_edges(few)[-1] == SIDE / 2
+    assert SIDE / 2 * (1 - 1e-4) < shell_edges(few)[-1] < SIDE / 2
     assert few.box is not None
     walls = few._replace(box=few.box._replace(periodic=np.zeros(3, dtype=bool)))
     assert shell_edges(walls)[-1] == pytest.approx(3 * (1000 / 8) ** (1 / 3))

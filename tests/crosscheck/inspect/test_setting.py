@@ -84,6 +84,19 @@ def test_the_temperature_is_that_of_thermal_walls_or_of_the_user() -> None:
     assert setting_of(metal, None, Options(temperature="300 K")).temperature == pytest.approx(249.43, rel=1e-4)
 
 
+def test_the_scene_says_along_which_axes_a_box_is_periodic_where_the_file_does_not() -> None:
+    scene = hard(box=Box(lengths=(6.0, 5.0), boundaries=("hard", "periodic")))
+    unstated = FileBox(np.diag([6.0, 5.0, 0.0]), np.zeros(3), np.array([True, True, False]), stated=False)
+    source = flying(number=scene.number, box=unstated, velocities=None)
+    setting = setting_of(source, scene, Options())
+    for frame in (setting.first, setting.boxed(source.read(1))):
+        assert frame.box is not None
+        assert frame.box.periodic.tolist() == [False, True, False]
+    alone = setting_of(source, None, Options()).boxed(source.read(1)).box
+    assert alone is not None
+    assert alone.periodic.tolist() == [True, True, False]
+
+
 def test_kelvin_needs_masses() -> None:
     source = replace(flying(masses=None), units=Units("nm", "ps", "nm/ps"))
     with pytest.raises(UsageError, match="states no masses: give --mass TYPE=MASS"):

@@ -44,6 +44,7 @@ def test_a_file_of_the_scene() -> None:
         ({"diameters": np.array([1.0, 1.1, 0.5])}, "the diameter of particle 2 is 1.1 against 1"),
         ({"types": np.array(["A", "B", "B"])}, "the type of particle"),
         ({"box": FILE["box"]._replace(vectors=np.diag([6.0, 5.1, 1.0]))}, "the edges of the box"),
+        ({"box": FILE["box"]._replace(periodic=np.array([True, False, False]))}, "periodic along x against x, y"),
     ],
 )
 def test_what_differs_is_named(changes: dict[str, Any], text: str) -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from crosscheck.inspect.pairs import largest_reach, pairs_within
+from crosscheck.compare.pairs import largest_reach, pairs_within
 from crosscheck.trajectories.frames import Box, Frame
 
 BOXES = {

@@ -29,9 +29,12 @@ def pairs_within(frame: Frame, reach: float, chosen: Integers | None = None) -> 
     """
     from MDAnalysis.lib.distances import capped_distance, self_capped_distance
 
+    if len(frame.ids) < 2:
+        return Pairs(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0))
+    # lengths in units of the reach: it takes edges below 1e-7, as of atoms in metres, for none
     positions, dimensions = _for_mdanalysis(frame, reach)
-    cutoff = min(reach + _margin(frame), _half(frame) * (1 - 4 * SINGLE.relative))
-    # cells are ten times as fast as the trees that it would choose for many particles
+    cutoff = min(reach + _margin(frame), _half(frame) * (1 - 4 * SINGLE.relative)) / reach
+    # its cells are ten times as fast as the trees that it would choose for many particles
     asked: Any = {"box": dimensions, "return_distances": False}
     if chosen is None:
         found: Any = self_capped_distance(positions, cutoff, method="nsgrid", **asked)
@@ -58,44 +61,36 @@ def largest_reach(frame: Frame) -> float:
 
 
 def _half(frame: Frame) -> float:
-    box = frame.box
-    if box is None:
+    if frame.box is None:
         return float("inf")
-    edges = box.vectors + np.diag((np.abs(box.vectors).sum(axis=1) == 0).astype(np.float64))
-    heights = 1 / np.linalg.norm(np.linalg.inv(edges), axis=0)
+    heights = 1 / np.linalg.norm(frame.box.shares, axis=0)
     return float(heights[_around(frame)].min(initial=np.inf)) / 2
 
 
 def _around(frame: Frame) -> NDArray[np.bool_]:
     """Axes along which a frame has images that particles may be near to, (3,)."""
-    box = frame.box
-    if box is None:
-        return np.zeros(3, dtype=bool)
-    return box.periodic & (np.abs(box.vectors).sum(axis=1) > 0) & ~flat_axes(frame.positions)
+    return np.zeros(3, dtype=bool) if frame.box is None else frame.box.around & ~flat_axes(frame.positions)
 
 
 def _margin(frame: Frame) -> float:
-    """What 32 bits of coordinates and edges may hide of a distance, length."""
-    extent = float(np.ptp(frame.positions, axis=0).max()) if len(frame.ids) else 0.0
-    edges = 0.0 if frame.box is None else float(np.abs(frame.box.vectors).sum())
-    return 16 * SINGLE.relative * (extent + edges)
+    """What 32 bits of coordinates within the box, or of an extent without images, may hide of a distance, length."""
+    extent = np.ptp(frame.positions, axis=0)[~_around(frame)].sum()
+    edges = 0.0 if frame.box is None else np.abs(frame.box.vectors).sum()
+    return 16 * SINGLE.relative * float(extent + edges)
 
 
 def _for_mdanalysis(frame: Frame, reach: float) -> tuple[Any, Any]:
-    """Positions of 32 bits in a box that is periodic along all axes, so wide along some that no image is near."""
+    """Positions of 32 bits in a box that is periodic along all axes, so wide along some that no image is near.
+
+    In units of the reach.
+    """
     from MDAnalysis.lib.mdamath import triclinic_box
 
-    box = frame.box
-    positions = frame.positions - frame.positions.min(axis=0, initial=np.inf)
-    room = np.ptp(positions, axis=0) + 4 * reach
-    if box is None:
-        vectors = np.diag(room)
-    else:
-        around = _around(frame)
-        vectors = np.where(around[:, None], box.vectors, np.diag(room))
-        positions = frame.positions - box.lower
-        images = np.floor(positions @ np.linalg.inv(vectors)) * around
-        positions = positions - images @ vectors
-        shift = np.where(around, 0.0, positions.min(axis=0, initial=np.inf))
-        positions = positions - shift
-    return np.asarray(positions, dtype=np.float32), triclinic_box(*vectors)
+    around, positions = _around(frame), frame.positions
+    vectors = np.diag(np.ptp(positions, axis=0) + 4 * reach)
+    if frame.box is not None:
+        vectors = np.where(around[:, None], frame.box.vectors, vectors)
+        positions = positions - frame.box.lower
+        positions = positions - (np.floor(positions @ np.linalg.inv(vectors)) * around) @ vectors
+    positions = positions - np.where(around, 0.0, positions.min(axis=0))
+    return np.asarray(positions / reach, dtype=np.float32), triclinic_box(*(vectors / reach))
