@@ -178,7 +178,7 @@ def _separation(
     apart = 0.0
     if origin == pairing.times[0]:
         apart = max(found[0].rms.get("velocities", 0.0) - found[0].floor.get("velocities", 0.0), 0.0)
-    extent = max((gap.extent for gap in found), default=0.0)
+    extent = max(gap.extent for gap in found)
     near = spacing(first)
     return Separation(
         times=pairing.times,

@@ -265,3 +265,17 @@ def test_chaos_is_not_claimed_after_a_step_that_is_unlikely() -> None:
         values[0] = 0.0
         kinds.append(growth(separation(values, number=1)).kind)
     assert kinds == ["chaos", "unclear", "jump"]
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1e6])
+def test_what_is_said_does_not_depend_on_the_unit_of_time(unit: float) -> None:
+    for start in (1e-16, 1e-8):
+        values = chaotic(start, 2.0, 0.2)
+        here = growth(separation(values))
+        there = growth(separation(values, times=TIMES * unit, step=STEP * unit, speed=1.5 / unit))
+        assert there.kind == here.kind
+        assert here.law is not None
+        assert there.law is not None
+        assert there.law.rate * unit == pytest.approx(here.law.rate)
+        assert there.law.limit == pytest.approx(here.law.limit, rel=1e-9, abs=0)
+        assert there.law.horizon == pytest.approx(here.law.horizon * unit, rel=1e-9, abs=0)

@@ -134,3 +134,10 @@ def test_points_far_from_the_origin_are_inside_a_box_that_single_precision_tells
     assert box_around(found)[:2] == pytest.approx(
         np.array([[1e9 - 1e3, 1e9 + 1e3], [-2e9 - 2e3, -2e9 + 2e3]]), rel=1e-12
     )
+
+
+def test_the_margin_around_a_small_system_is_small():
+    scene = disks(box=None, hard_spheres=None, spring=Spring(k=1.0), initial=Explicit(positions=((0.0, 0.0),)))
+    found = replace(trajectory_of(scene, fall(scene)), positions=np.array([[[0.0, 0, 0]], [[1e-10, 2e-10, 0]]]))
+    expected = [[-2e-13, 1e-10 + 2e-13], [-2e-13, 2e-10 + 2e-13]]
+    assert box_around(found)[:2] == pytest.approx(np.array(expected), rel=1e-9, abs=1e-24)
