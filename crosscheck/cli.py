@@ -54,6 +54,12 @@ def _positive(seconds: float) -> float:
     return seconds
 
 
+def _share(number: Optional[float]) -> Optional[float]:  # noqa: UP045
+    if number is not None and not 0 < number < 1:
+        raise typer.BadParameter(f"{number:g}: give a number between 0 and 1")
+    return number
+
+
 TimeLimit = Annotated[
     float,
     typer.Option(
@@ -251,19 +257,39 @@ def simulate(
             "rebound:scheme=collisions_direct,dt=0.001. Repeatable; twice for one engine: two runs of it.",
         ),
     ] = None,
+    judge: Annotated[
+        bool, typer.Option("--judge", help="Judge all that holds for any scene; record and report as of run.")
+    ] = False,
+    tolerance: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(
+            metavar="SHARE",
+            callback=_share,
+            help="With --judge: dt is halved until positions and energy change by less, relative.  [default: 0.001]",
+        ),
+    ] = None,
+    allow_inconclusive: Annotated[
+        bool, typer.Option("--allow-inconclusive", help="With --judge: inconclusive verdicts count as passed.")
+    ] = False,
 ) -> None:
     """Run a scene; print a summary, and write all that it records, and a picture, of several engines side by side.
 
-    Exit status: 0 the runs went to their end, 1 one diverged or stopped, 2 bad usage or input, 4 an engine failed.
+    Exit status: 0 the runs went to their end, 1 one diverged or stopped, 2 bad usage or input, 4 an engine failed; with
+    --judge also 1 a law is broken, 3 a verdict is inconclusive, 4 nothing was judged.
     """
     from crosscheck import commands
 
-    raise typer.Exit(
-        interruptible(
-            lambda: commands.simulate(
-                scene, engine or ["refimpl"], out, time_limit, restart, tuple(formats or ()), tuple(method or ())
-            )
+    engines, written, methods = engine or ["refimpl"], tuple(formats or ()), tuple(method or ())
+    if judge:
+        demand = commands.Demand(tolerance or 1e-3, allow_inconclusive)
+        raise typer.Exit(
+            interruptible(lambda: commands.judge(scene, engines, out, time_limit, restart, written, methods, demand))
         )
+    if tolerance is not None or allow_inconclusive:
+        option = "--tolerance" if tolerance is not None else "--allow-inconclusive"
+        raise typer.BadParameter(f"{option} is for verdicts: add --judge, or remove it")
+    raise typer.Exit(
+        interruptible(lambda: commands.simulate(scene, engines, out, time_limit, restart, written, methods))
     )
 
 

@@ -9,9 +9,9 @@ from crosscheck.commands.mutating import Sample, mutate
 from crosscheck.commands.proving import prove
 from crosscheck.commands.regressing import accept_baseline, diff
 from crosscheck.commands.running import run
-from crosscheck.commands.simulating import simulate
+from crosscheck.commands.simulating import Demand, judge, simulate
 
 __all__ = [
-    "Said", "Sample", "Standard", "accept_baseline", "calibrate", "compare", "diff", "engines", "export", "inspect",
-    "list_checks", "mutate", "prove", "repeat", "report", "run", "show", "simulate",
+    "Demand", "Said", "Sample", "Standard", "accept_baseline", "calibrate", "compare", "diff", "engines", "export",
+    "inspect", "judge", "list_checks", "mutate", "prove", "repeat", "report", "run", "show", "simulate",
 ]  # fmt: skip

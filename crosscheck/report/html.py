@@ -33,6 +33,8 @@ FILE = "report.html"
 OUTCOMES = ("error", "fail", "inconclusive", "skip", "pass")
 #: Checks whose names begin so share a chapter of their own, and the colours of their curves.
 WORK_PRECISION = "performance/work-precision"
+#: What the names of verdicts on scenes of a user's own begin with.
+OF_SCENES = "simulate/"
 #: How an older version ended the name of a check that is now the full tier of another.
 _OLD_FULL = "-full"
 
@@ -121,6 +123,11 @@ class Section:
         return str(line["variant"] or line["check"])
 
     @property
+    def of_a_scene(self) -> bool:
+        """Whether it judges a scene of a user's own, see docs/simulate.md."""
+        return self.name.startswith(OF_SCENES)
+
+    @property
     def repeat(self) -> str:
         """The command line that runs this check again; "" if this version does not have it."""
         if self.check is None:
@@ -182,7 +189,7 @@ def render(lines: list[Line], title: str) -> str:
         origins=_origins(lines),
         command=_command(lines, sections),
         absent=_absent(lines),
-        unknown=sum(len(section.lines) for section in sections if section.check is None),
+        unknown=sum(len(one.lines) for one in sections if one.check is None and not one.of_a_scene),
         meaning_of_sensitivity=SENSITIVITY,
         false_alarms=false_alarms(lines),
         dates=sorted(line["time"] for line in lines)[:: max(1, len(lines) - 1)],
@@ -288,7 +295,8 @@ def _command(lines: list[Line], sections: list[Section]) -> str:
         return str(lines[-1]["provenance"].get("command", ""))
     known = [section for section in sections if section.check is not None]
     if lines and not known:
-        return ""
+        of_scenes = [line for line in lines if line["check"].startswith(OF_SCENES)]
+        return str(of_scenes[-1]["provenance"].get("command", "")) if len(of_scenes) == len(lines) else ""
     ran = {section.check.name for section in known if section.check is not None}
     engines = sorted({line["engine"] for line in lines}, key=engine_order)
     tier = _tier(line for section in known for line in section.lines)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
 from importlib.resources import as_file
@@ -18,6 +18,10 @@ from crosscheck.files import shown_path
 from crosscheck.scene import Floats, Scene
 from crosscheck.simulate.arrays import write_arrays, write_places
 from crosscheck.simulate.files import results_in
+from crosscheck.simulate.judging.judge import Judge, observables_needed
+from crosscheck.simulate.judging.ladder import Ladder
+from crosscheck.simulate.judging.recording import recording
+from crosscheck.simulate.judging.trial import Tell
 from crosscheck.simulate.methods import Planned, mend, planned
 from crosscheck.simulate.observables import Result, observables, write_observables
 from crosscheck.simulate.picture import draw_picture
@@ -25,6 +29,7 @@ from crosscheck.simulate.progress import shown
 from crosscheck.simulate.restart import Restart, check_version, going_on, read_restart, write_restart
 from crosscheck.simulate.summary import Difference, Row, compare, distances, endings, row
 from crosscheck.trajectories.formats import DEFAULT, check_formats, write_trajectories
+from crosscheck.verdict import Verdict
 
 
 def shipped_scenes() -> list[str]:
@@ -49,12 +54,27 @@ def load(name: str | Path) -> Scene:
 
 
 @dataclass(frozen=True)
+class Judging:
+    """How the runs are judged.
+
+    tolerance: of the changes on halving dt, relative. begin: gets what was simulated, before it is judged. tell: says
+    something before it takes time. take: takes a verdict as soon as it is found.
+    """
+
+    tolerance: float
+    begin: Callable[[Simulation], None]
+    tell: Tell
+    take: Callable[[Verdict], None]
+
+
+@dataclass(frozen=True)
 class Simulation:
     """What `simulate` did.
 
     paths: of the files written. rows: how each run went. endings: sentences on runs that diverged or stopped, and
     remarks of the engines. differences: of each pair of runs. failures: messages of engines that failed, whose runs are
     lost, and of a picture that could not be drawn. remarks: on the files. whole: whether all runs went to their end.
+    ladders: of time steps, by the label of the run, if the runs were judged.
     """
 
     paths: list[Path]
@@ -64,6 +84,7 @@ class Simulation:
     failures: list[str]
     remarks: list[str]
     whole: bool
+    ladders: dict[str, Ladder]
 
 
 def simulate(
@@ -74,6 +95,7 @@ def simulate(
     restart: Path | None = None,
     formats: Sequence[str] = (),
     methods: Sequence[str] = (),
+    judging: Judging | None = None,
 ) -> Simulation:
     """Runs a scene on each engine with its own method, or else that of the scene, and writes the results.
 
@@ -85,12 +107,17 @@ def simulate(
     on from one; picture.png and picture.svg. Files of the simulation before in this directory are removed. time_limit:
     seconds that one call of an engine may take. restart: a restart file to go on from; None: the run begins at the
     scene's initial state. methods: see `crosscheck.simulate.methods.planned`. formats: of the trajectories, names
-    of `crosscheck.trajectories.formats`; none: extended XYZ, of a scene that records one.
+    of `crosscheck.trajectories.formats`; none: extended XYZ, of a scene that records one. judging: how the runs are
+    judged, once their files are written; they then record what that needs, beside what the scene asks for. None: they
+    are not.
 
     UsageError if the scene is not valid or a run has no method, if an engine is missing or cannot run the scene, if
-    files cannot be written, if a format is unknown, or asked for of a scene without a trajectory, and if the restart
-    file is damaged, or of another scene, method or engine. EngineError if every engine failed.
+    files cannot be written, if a format is unknown, or asked for of a scene without a trajectory, if the restart file
+    is damaged, or of another scene, method or engine, and if a run that goes on is to be judged. EngineError if every
+    engine failed.
     """
+    if judging is not None and restart is not None:
+        raise UsageError("--judge and --restart: a run is judged from its start: remove one of them")
     loaded = load(scene)
     check_formats(formats, loaded)
     plan = planned(loaded, engines, methods)
@@ -99,9 +126,29 @@ def simulate(
         plan = [_going_on(before, plan)]
     for one in {run.method.contact is None: run for run in plan}.values():
         one.scene.check_start()
+    if judging is not None:
+        plan = recording(plan, observables_needed())
+    pool = Pool(time_limit=time_limit)
+    try:
+        results, done = _simulated(plan, out, pool, before, formats)
+        if judging is None:
+            return done
+        judging.begin(done)
+        judge = Judge(results, pool, judging.tolerance)
+        for verdict in judge.verdicts(judging.tell):
+            judging.take(verdict)
+        return replace(done, ladders=judge.ladders)
+    finally:
+        pool.close()
+
+
+def _simulated(
+    plan: Sequence[Planned], out: Path, pool: Pool, before: Restart | None, formats: Sequence[str]
+) -> tuple[list[tuple[Planned, Result]], Simulation]:
+    """The runs, and what was written of them. pool: of the engines. Otherwise as `simulate`."""
     with results_in(out) as files:
         states = {one.label: files.scratch / f"state-{number}.npz" for number, one in enumerate(plan)}
-        results, failures = _run_all(plan, states, before, time_limit)
+        results, failures = _run_all(plan, states, before, pool)
         written: list[Path] = []
         remarks: list[str] = []
         for one, result in results:
@@ -123,7 +170,7 @@ def simulate(
         except Exception as error:  # the numbers of a long run must not be lost with its picture
             failures.append(f"the picture cannot be drawn ({type(error).__name__}: {' '.join(str(error).split())})")
         paths = files.put(written)
-    return Simulation(
+    return results, Simulation(
         paths=paths,
         rows=[row(one.scene, one.method, result, kind_of(one)) for one, result in results],
         endings=[text for one, result in results for text in endings(one.scene, result)],
@@ -131,6 +178,7 @@ def simulate(
         failures=failures,
         remarks=remarks,
         whole=not failures and not any(result.run.diverged or result.run.stopped for result in found),
+        ladders={},
     )
 
 
@@ -169,35 +217,32 @@ def _write_restarts(
 
 
 def _run_all(
-    plan: Sequence[Planned], states: dict[str, Path], before: Restart | None, time_limit: float
+    plan: Sequence[Planned], states: dict[str, Path], before: Restart | None, pool: Pool
 ) -> tuple[list[tuple[Planned, Result]], list[str]]:
     """The runs, and the messages of engines that failed.
 
     All engines are asked whether they can run the scene before the first one does. states: the file for the state at
-    the end, by label. before: the restart file that the runs go on from; None: none. EngineError if all failed.
+    the end, by label. before: the restart file that the runs go on from; None: none. pool: of the engines. EngineError
+    if all failed.
     """
     versions: dict[str, str] = {}
     results: list[tuple[Planned, Result]] = []
     failures: list[str] = []
     restart = None if before is None else before.path.absolute()
-    pool = Pool(time_limit=time_limit)
-    try:
-        for one in plan:
-            with shown(one.label, pool.worker(one.engine).progress):
-                versions[one.engine] = _version(one, pool)
-            if before is not None:
-                check_version(before, versions[one.engine])
-        for one in plan:
-            try:
-                worker = pool.worker(one.engine)
-                with shown(one.label, worker.progress):
-                    run = worker.run(one.scene, one.method, worker.progress, restart, states[one.label])
-            except EngineError as error:
-                failures.append(str(error))
-                continue
-            results.append((one, Result(one.label, versions[one.engine], run, observables(one.scene, run))))
-    finally:
-        pool.close()
+    for one in plan:
+        with shown(one.label, pool.worker(one.engine).progress):
+            versions[one.engine] = _version(one, pool)
+        if before is not None:
+            check_version(before, versions[one.engine])
+    for one in plan:
+        try:
+            worker = pool.worker(one.engine)
+            with shown(one.label, worker.progress):
+                run = worker.run(one.scene, one.method, worker.progress, restart, states[one.label])
+        except EngineError as error:
+            failures.append(str(error))
+            continue
+        results.append((one, Result(one.label, versions[one.engine], run, observables(one.scene, run))))
     if not results:
         raise EngineError("\n".join(failures))
     return results, failures

@@ -1,0 +1,1 @@
+"""Verdicts on the runs of any scene: all that its parts imply, whatever it is."""

@@ -1,0 +1,67 @@
+"""Soft grains: every step of velocity Verlet from the one before, and every sum over the run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from crosscheck.engines.registry import engine_class
+from crosscheck.references.soft_grains import audit
+from crosscheck.scene.observables import named
+from crosscheck.simulate.judging.audits.pieces import from_start_and_end, with_output
+from crosscheck.simulate.judging.recording import with_observables
+from crosscheck.simulate.judging.trial import Extra, Trial
+from crosscheck.verdict import Judged, bounded, round_off, worst
+
+#: The scheme whose steps are known, particles at most, pairs in all steps, and steps at most.
+_SCHEME, MOST, _PAIRS, _MOST_STEPS = "velocity_verlet", 500, 4_000_000, 400
+_WHY = "rounding of coordinates, of the forces that they give, and of the sums over the run"
+
+
+def excuse(trial: Trial) -> str | None:
+    """None, or why no step can be audited; trial: a run of soft grains."""
+    if trial.method.scheme != _SCHEME:
+        return f"soft grains are audited step by step with {_SCHEME}, not with {trial.method.scheme}"
+    if trial.scene.number > MOST:
+        return f"{trial.scene.number} grains: the auditor looks at all pairs of up to {MOST}"
+    return None
+
+
+def _steps(trial: Trial) -> int:
+    most = min(_MOST_STEPS, max(8, _PAIRS // max(trial.scene.number, 1) ** 2))
+    return min(most, max(1, trial.scene.steps(trial.method.step)))
+
+
+def _pieces(trial: Trial) -> list[tuple[str, Extra]]:
+    dt, steps = trial.method.step, _steps(trial)
+    found = []
+    for where, scene in from_start_and_end(trial):
+        piece = with_output(scene, trial.method, steps * dt, interval=dt)
+        names = ("trajectory", *named("hard_spheres"), "kinetic_energy", "potential_energy")
+        output = with_observables(trial.planned.engine, piece, trial.method, piece.output, names)
+        piece = piece.model_copy(update={"output": output})
+        found.append((where, Extra(f"the audit of steps {where}", piece, trial.method, trial.seconds(steps * dt))))
+    return found
+
+
+def extras(trial: Trial) -> list[Extra]:
+    """The runs that the audit asks for; trial: the run."""
+    return [extra for _, extra in _pieces(trial)]
+
+
+def judge(trial: Trial) -> Judged:
+    """The largest error of all quantities over its rounding, of each piece. trial: the run."""
+    contact = trial.method.contact
+    assert contact is not None
+    turned = "springs_turned_at_walls" in getattr(engine_class(trial.planned.engine), "promises", ())
+    judged, touched = [], 0
+    for where, extra in _pieces(trial):
+        found = audit(extra.scene, contact, trial.method.step, trial.make(extra), turned)
+        quantity, largest = found.worst
+        touched += max(found.contacts + found.walls, found.at_once)
+        note = f"{quantity} of sample {largest.sample} off by {largest.error:.3g}, rounding {largest.rounding:.3g}"
+        judged.append(round_off(f"{where}: largest error over its rounding", largest.share, 1.0, _WHY, note=note))
+    note = f"{_steps(trial)} steps from each, {touched} contacts or more"
+    if not touched:
+        none = bounded("contacts", 0.0, 1.0, "what does not happen is not judged", at_least=True)
+        judged.append(replace(none, outcome="inconclusive"))
+    return worst(judged, note)

@@ -1,0 +1,77 @@
+"""How smooth the forces of a scene are: the order that a scheme can have, and what late kicks do to the energy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.checks.stepping.orbits import nominal_order
+from crosscheck.references.lennard_jones import at_cutoff
+from crosscheck.scene import Scene
+from crosscheck.simulate.judging.trial import Trial
+
+
+def jump(scene: Scene) -> str | None:
+    """None, or the word of the part whose force jumps, or whose contacts begin with a kink. scene: what is run.
+
+    A force that jumps acts up to a step too early or too late: an error of first order, of either sign, each time.
+    """
+    if scene.hard_spheres is not None:
+        return "hard_spheres"
+    if scene.lennard_jones is not None and scene.lennard_jones.truncation != "force_shifted":
+        return f"lennard_jones.truncation={scene.lennard_jones.truncation}"
+    if scene.box is not None and scene.box.wall is not None:
+        return "box.wall"
+    return None
+
+
+def claimed_order(trial: Trial) -> int | None:
+    """The order that the scheme of a trial claims for its forces, were they smooth; None: it claims none."""
+    claims = trial.claims
+    depends = (trial.scene.spring is not None and trial.scene.spring.gamma is not None) or (
+        trial.scene.hard_spheres is not None
+    )
+    if depends:
+        return None if claims.order_damped is None else min(claims.order_damped)
+    if claims.order is None:
+        return None
+    of_start = claims.order[0] if trial.scene.spring is not None else nominal_order(trial.method.scheme, claims)
+    return min(*claims.order, of_start)
+
+
+def late_kicks(trial: Trial, dt: float, duration: float, kinetic: float) -> float:
+    """Standard deviation of the energy after so much time, by forces that jump at a cutoff and act at whole steps.
+
+    A pair that crosses the cutoff with the normal velocity v gets its force f up to a step too early or too late: its
+    energy is off by f v dt u, u between -1 and 1, <u^2> <= 1/3. Pairs cross (N^2/2V) S r^(d-1) g <|v|> times per time,
+    with the normal velocities of a gas at the temperature T, <v^2> = 4 T/m of those that cross; g <= 1.5. Particles
+    cross the reach of walls likewise, at four times the mean density at most. trial: of [lennard_jones]. dt: the step.
+    duration: time. kinetic: the largest kinetic energy.
+    """
+    scene, d = trial.scene, trial.scene.dimension
+    lj = scene.lennard_jones
+    assert lj is not None
+    number, volume = scene.number, _room(trial)
+    lightest = float(trial.start.masses.min())
+    temperature = 2 * kinetic / (d * number)
+    variance = 0.0
+    if lj.truncation != "force_shifted":
+        sphere = 2 * np.pi if d == 2 else 4 * np.pi
+        speed = 2 * (temperature / (np.pi * lightest)) ** 0.5
+        rate = 1.5 * number**2 / (2 * volume) * sphere * lj.cutoff ** (d - 1) * speed
+        variance += rate * at_cutoff(lj)[1] ** 2 * 4 * temperature / lightest
+    wall = None if scene.box is None else scene.box.wall
+    lengths = scene.lengths()
+    if wall is not None and lengths is not None:
+        like = lj.model_copy(
+            update={"epsilon": wall.epsilon, "length": wall.sigma, "length_form": "sigma", "cutoff": wall.cutoff}
+        )
+        speed = (2 * temperature / (np.pi * lightest)) ** 0.5
+        faces = sum(2 * number / float(lengths[axis]) for axis in range(d) if scene.boundaries[axis] == "wall")
+        variance += 4 * faces * speed * at_cutoff(like)[1] ** 2 * 2 * temperature / lightest
+    return float((variance * duration / 3) ** 0.5 * dt)
+
+
+def _room(trial: Trial) -> float:
+    """Volume of the box, or of what the particles fill at the start."""
+    lengths = trial.scene.lengths()
+    return float(np.prod(np.ptp(trial.start.positions, axis=0) if lengths is None else lengths))

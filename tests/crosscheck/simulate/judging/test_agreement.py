@@ -1,0 +1,174 @@
+"""Two runs of one scene: right ones agree within what dt and rounding explain, and others do not."""
+
+from __future__ import annotations
+
+import pytest
+from judged import verdicts
+
+from crosscheck.engines.workers.pool import Pool
+from crosscheck.scene import (
+    Box,
+    Explicit,
+    Face,
+    Gravity,
+    HardSpheres,
+    Kepler,
+    Lattice,
+    LatticeGas,
+    Obstacle,
+    Occupations,
+    Output,
+    Scene,
+)
+
+
+@pytest.fixture(scope="module")
+def pool():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NUMBA_DISABLE_JIT", "1")
+        for law in ("audit", "equation_of_state", "speeds", "equipartition", "energy", "time_step"):
+            patch.setattr(f"crosscheck.simulate.judging.laws.{law}.LAWS", ())
+        patch.setattr("crosscheck.simulate.judging.equilibrium.WANTED", 60)
+        workers = Pool()
+        yield workers
+        workers.close()
+
+
+ORBIT = Scene(
+    name="orbit",
+    dimension=2,
+    duration=4.0,
+    gravity=Gravity(),
+    masses=(1.0, 0.5),
+    initial=Kepler(kind="kepler", eccentricity=0.3),
+    output=Output(interval=0.5, observables=("kinetic_energy",)),
+)
+DISKS = Scene(
+    name="disks",
+    dimension=2,
+    duration=30.0,
+    hard_spheres=HardSpheres(),
+    box=Box(lengths=(8.0, 8.0), boundaries=("hard", "periodic")),
+    initial=Lattice(kind="lattice", structure="square", number=25, temperature=1.0, seed=3),
+    output=Output(interval=0.25, observables=("kinetic_energy",)),
+)
+GAS = Scene(
+    name="gas",
+    dimension=2,
+    duration=6.0,
+    lattice_gas=LatticeGas(model="hpp", columns=12, rows=8),
+    initial=Occupations(kind="occupations", density=0.3, seed=3),
+    output=Output(interval=2.0, observables=("populations",), fields=(2, 2)),
+)
+OTHER = """
+from crosscheck.engines.refimpl import RefimplEngine
+
+class Other(RefimplEngine):
+    name = "other"
+    run_from = None
+
+    def run(self, scene, method):
+        return super().run({change}, method)
+"""
+
+
+def other(tmp_path, change):
+    """An engine that runs another scene than it was asked to."""
+    file = tmp_path / f"other{len(list(tmp_path.iterdir()))}.py"
+    file.write_text(OTHER.format(change=change))
+    return f"{file}:Other"
+
+
+def agreement(pool, scene, engines, methods):
+    (found,) = [one for one in verdicts(pool, scene, engines, methods).values() if one.variant == "agreement"]
+    return found
+
+
+LEAPFROG, VERLET = "refimpl:scheme=leapfrog,dt=0.015625", "refimpl:scheme=velocity_verlet,dt=0.03125"
+
+
+def test_two_schemes_and_two_engines_agree_within_their_steps(pool):
+    for engines, methods in (
+        (["refimpl"], [LEAPFROG, VERLET]),
+        (["refimpl", "rebound"], ["scheme=leapfrog,dt=0.03125"]),
+    ):
+        found = agreement(pool, ORBIT, engines, methods)
+        assert found.outcome == "pass"
+        assert 0 < found.findings.judgements[0].measured < 1
+    assert found.engine == "refimpl - rebound"
+
+
+def test_the_same_steps_agree_to_rounding_and_others_do_not(pool, tmp_path):
+    methods = ["scheme=velocity_verlet,dt=0.03125"]
+    same = agreement(pool, ORBIT, ["refimpl", other(tmp_path, "scene")], methods)
+    assert [one.outcome for one in same.findings.judgements] == ["pass", "pass"]
+    # a constant of gravity that is off by less than the time step's error
+    off = other(tmp_path, "scene.changed(gravity={'G': 1.0 + 1e-9})")
+    found = agreement(pool, ORBIT, ["refimpl", off], methods)
+    assert [one.outcome for one in found.findings.judgements] == ["pass", "fail"]
+    more = other(tmp_path, "scene.changed(gravity={'G': 1.001})")
+    assert agreement(
+        pool, ORBIT, ["refimpl", more], [LEAPFROG, f"{more}:scheme=velocity_verlet,dt=0.03125"]
+    ).outcome == ("fail")
+
+
+def test_event_driven_schemes_agree_to_rounding_until_chaos(pool, tmp_path):
+    short = DISKS.changed(duration=5.0)
+    found = agreement(
+        pool, short, ["refimpl"], ["refimpl:scheme=event_driven", "refimpl:scheme=event_driven_lists"]
+    )  # fmt: skip
+    assert found.outcome in ("pass", "inconclusive")  # of the means, which are short
+    assert found.findings.judgements[0].outcome == "pass"
+    smaller = other(tmp_path, "scene.changed(hard_spheres={'diameter': 1.0 - 1e-9})")
+    found = agreement(pool, short, ["refimpl", smaller], ["scheme=event_driven"])
+    assert found.findings.judgements[0].outcome == "fail"
+
+
+def test_walls_that_draw_leave_means_alone(pool, tmp_path):
+    walls = DISKS.box.model_copy(update={"faces": {"x-": Face(temperature=1.0), "x+": Face(temperature=1.0)}})
+    scene = DISKS.changed(box=walls)
+    hot = other(
+        tmp_path, "scene.changed(initial=scene.initial.model_copy(update={'temperature': 4.0}), "
+        "box=scene.box.model_copy(update={'faces': {'x-': {'temperature': 4.0}, 'x+': {'temperature': 4.0}}}))",
+    )  # fmt: skip
+    found = agreement(pool, scene, ["refimpl", hot], ["scheme=event_driven"])
+    assert found.outcome == "fail"
+    assert all(one.quantity.startswith("mean of ") for one in found.findings.judgements)
+    red = {one.quantity for one in found.findings.judgements if one.outcome == "fail"}
+    assert red >= {"mean of rate of collisions", "mean of rate of collisional virial"}
+    names = {one.quantity for one in found.findings.judgements}
+    assert names - red <= {"mean of kinetic energy"}  # of what nothing dissipates, there is no mean
+
+
+def test_lattice_gases_agree_bit_for_bit(pool, tmp_path):
+    found = agreement(pool, GAS, ["refimpl"], ["refimpl:scheme=lattice_numpy", "refimpl:scheme=lattice_lookup"])
+    assert found.outcome == "pass"
+    seeded = other(tmp_path, "scene.changed(initial=scene.initial.model_copy(update={'seed': 4}))")
+    assert agreement(pool, GAS, ["refimpl", seeded], ["scheme=lattice_numpy"]).outcome == "fail"
+    drawn = GAS.lattice_gas.model_copy(update={"model": "fhp1"})
+    assert (
+        "draws its own"
+        in agreement(pool, GAS.changed(lattice_gas=drawn), ["refimpl", seeded], ["scheme=lattice_numpy"]).message
+    )
+    walls = GAS.lattice_gas.model_copy(update={"obstacles": (Obstacle(rows=(0, 0), rule="diffusive_y"),)})
+    assert (
+        "draws its own"
+        in agreement(pool, GAS.changed(lattice_gas=walls), ["refimpl", seeded], ["scheme=lattice_numpy"]).message
+    )
+    means = ["refimpl:scheme=lattice_numpy", "refimpl:scheme=lattice_boltzmann"]
+    assert "on average alone" in agreement(pool, GAS, ["refimpl"], means).message
+
+
+def test_soft_and_hard_spheres_are_not_compared(pool):
+    pair = Scene(
+        name="pair",
+        dimension=2,
+        duration=1.0,
+        hard_spheres=HardSpheres(),
+        initial=Explicit(positions=((0.0, 0.0), (1.2, 0.0)), velocities=((1.0, 0.0), (0.0, 0.0))),
+        output=Output(interval=0.25, observables=("kinetic_energy",)),
+    )
+    soft = "refimpl:scheme=velocity_verlet,dt=0.001953125,contact.stiffness=1e3"
+    found = agreement(pool, pair, ["refimpl"], ["refimpl:scheme=event_driven", soft])
+    assert found.outcome == "skip"
+    assert "in the limit of hard ones alone" in found.message
