@@ -2,26 +2,31 @@
 
 `agreement` is what the judge calls for each pair of runs, with `excuse` before it and `extras` to say what it takes.
 
-How far two right runs may be apart is the sum of what each is off by: a run with time steps by up to twice what halving
-dt changes (its error is of the order dt^p, p >= 1; four times, where forces or collisions act up to a step late), every
-run by its rounding errors, which grow as the disturbance of a twin does. Where that sum is no longer small beside the
-lengths of the scene, paths say nothing any more.
+Runs that take the same steps, or go from event to event, claim the same paths to the last digits: `crosscheck.compare`
+classes them, with the rate of chaos of a disturbed twin. Others part by what their time steps are off by. How far two
+right ones may be apart is then the sum over both: up to twice what halving dt changes (an error is of the order dt^p,
+p >= 1; four times, where forces or collisions act up to a step late), and rounding errors, which grow as those of a
+twin. Where that sum is no longer small beside the lengths of the scene, paths say nothing any more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from crosscheck.compare.outcome import status
+from crosscheck.compare.trajectories import compare_trajectories
+from crosscheck.compare.twin import neighbours_of, rate_of
 from crosscheck.engines.protocol import Run
 from crosscheck.references.recurrences import MAPS
 from crosscheck.scene import Floats, Method, Output, Scene
 from crosscheck.simulate import conserved
 from crosscheck.simulate.judging import equilibrium
 from crosscheck.simulate.judging.ladder import (
+    LEAST_SAMPLES,
     MOST_SAMPLES,
     apart,
     first_extras,
@@ -36,10 +41,15 @@ from crosscheck.simulate.judging.trial import Extra, Trial
 from crosscheck.simulate.observables import observables
 from crosscheck.simulate.summary import length_unit
 from crosscheck.statistics import Mean, student_quantile
+from crosscheck.status import Status
+from crosscheck.trajectories.frames import Source
+from crosscheck.trajectories.memory import in_memory
 from crosscheck.verdict import DRIFTING, Judgement, bounded, statistical
 
 #: Share of the length of the scene up to which two paths are compared.
 _HORIZON = 0.1
+#: How often a beginning is made shorter until it is within the horizon.
+_TRIES = 4
 #: Independent samples at least in the second half of a run, where a series is no better known.
 _SHORTEST = 40
 #: Models of lattice gases whose collisions draw nothing.
@@ -52,6 +62,8 @@ def excuse(one: Trial, other: Trial) -> str | None:
         return one.broken or other.broken
     if one.scene.lattice_gas is not None:
         return _of_sites(one, other)
+    if one.method.contact != other.method.contact:
+        return "hard spheres beside soft ones, or other contacts: not compared, they agree in the hard limit alone"
     paths, means = _no_paths(one, other), _no_means(one, other)
     return None if paths is None or means is None else f"{paths}; {means}"
 
@@ -78,10 +90,10 @@ def agreement(one: Trial, other: Trial) -> list[Judgement]:
         differing = float((here != there).sum())
         why = "the same bits: nothing is drawn, or the same numbers are"
         return [bounded("populations that differ", differing, 0.0, why)]
-    found = _paths(one, other) if _no_paths(one, other) is None else []
+    found = [_paths(one, other)] if _no_paths(one, other) is None else []
     if _no_means(one, other) is None:
         found += _means(one, other)
-    return found
+    return found or [_unknown("the series are too short for means")]
 
 
 # -- what can be compared ----------------------------------------------------------------------------------------------
@@ -101,12 +113,6 @@ def _of_sites(one: Trial, other: Trial) -> str | None:
     return "each engine draws its own random numbers" if drawn and not same else None
 
 
-def _soft_and_hard(one: Trial, other: Trial) -> str | None:
-    if one.method.contact != other.method.contact:
-        return "contacts that differ: they agree in the limit of hard ones alone"
-    return None
-
-
 def _no_paths(one: Trial, other: Trial) -> str | None:
     """None, or why single paths cannot be compared."""
     walls = [face for face in one.scene.faces if face is not None]
@@ -118,7 +124,7 @@ def _no_paths(one: Trial, other: Trial) -> str | None:
             return f"{trial.planned.label} records no positions"
         if trial.kind == "stepping" and not first_extras(trial):
             return f"{trial.planned.label} has too few steps"
-    return _soft_and_hard(one, other)
+    return None
 
 
 def _no_means(one: Trial, other: Trial) -> str | None:
@@ -127,65 +133,127 @@ def _no_means(one: Trial, other: Trial) -> str | None:
         return "few particles have no means"
     if conserved.energy(one.scene, one.method) == "lost":
         return "what only loses energy is never stationary"
-    return _soft_and_hard(one, other)
+    return None
 
 
 # -- paths -------------------------------------------------------------------------------------------------------------
 
 
 class _Beginning(NamedTuple):
-    """A run until the horizon. run: it. off: how far it may be off at each sample, length. rounding: of that, what is
-    rounding.
+    """A run until the horizon.
+
+    scene: what was run. run: it. twin: from a disturbed start. rounding: how far its rounding errors may have grown at
+    each sample, length.
     """
 
+    scene: Scene
     run: Run
-    off: Floats
+    twin: Run
     rounding: Floats
 
 
-def _paths(one: Trial, other: Trial) -> list[Judgement]:
-    """Positions until the sum of both errors is a tenth of the scene's length."""
+def _paths(one: Trial, other: Trial) -> Judgement:
+    return _of_same_steps(one, other) if _same_steps(one, other) else _of_other_steps(one, other)
+
+
+def _same_steps(one: Trial, other: Trial) -> bool:
+    """Whether both are the same motion but for rounding: from event to event, or one scheme with one form and one dt.
+
+    Two codes may evaluate the dashpots of soft contacts at different velocities: these are not the same steps.
+    """
+    if one.event_driven and other.event_driven:
+        return True
+    same = one.method.scheme == other.method.scheme and one.method.dt == other.method.dt
+    return same and one.scene.hard_spheres is None and len(MAPS.get(one.method.scheme, ())) == 1
+
+
+def _of_same_steps(one: Trial, other: Trial) -> Judgement:
+    """What `crosscheck.compare` says of both, until rounding errors may have grown to a tenth of the scene's length."""
     trials = (one, other)
-    duration = min(_horizon(trial) for trial in trials)
+    duration = min(trial.end * min(1.0, trial.allowance / max(4 * trial.seconds(trial.end), 1e-9)) for trial in trials)
+    found = _until_horizon(trials, duration, MOST_SAMPLES // 2, lambda both: both[0].rounding + both[1].rounding)
+    if isinstance(found, str):
+        return _unknown(found)
+    both, allowed, known = found
+    here, there = both
+    away = float(apart(here.run, there.run)[0])
+    if away > allowed[0]:  # what else may pass for a disturbance
+        return bounded("distance of the starts", away, float(allowed[0]), "rounding: both start where the scene says")
+    first, second = _source(one, here.run, known), _source(other, there.run, known)
+    rates = [rate_of(part.run, part.twin, near=neighbours_of(one.scene)) for part in both]
+    rate = max((rate for rate in rates if rate is not None), key=lambda rate: rate.value, default=None)
+    # statistics are looked at below, of longer series
+    compared = compare_trajectories(first, second, "tolerance", rate=rate)
+    parting = None if compared.growth is None else compared.growth.parting
+    left = 0 if parting is None else parting.frame
+    standing = status(compared.classed, "chaos")
+    until = f"until t = {here.run['time'][known - 1]:g} of {one.scene.duration:g}"
+    judged = bounded(
+        "samples at which the runs are further apart than rounding and chaos explain",
+        float(known - left if standing == Status.FAILED else 0),
+        0.0,
+        "crosscheck compare, at the rate of chaos of a disturbed twin: the steps are the same",
+        note=f"{until}: {compared.sentence}",
+    )
+    return replace(judged, outcome="inconclusive") if standing == Status.INCONCLUSIVE else judged
+
+
+def _until_horizon(
+    trials: tuple[Trial, Trial], duration: float, wanted: int, allowed: Callable[[list[_Beginning]], Floats]
+) -> tuple[list[_Beginning], Floats, int] | str:
+    """Beginnings of both that are so short that many samples are before the horizon, and the number of those; or why
+    there are none.
+
+    duration: at most. wanted: number of samples before it. allowed: how far two such runs may be apart, (samples,).
+    """
     steps = [trial.method.step for trial in trials if trial.method.dt is not None]
-    length, unit = length_unit(one.scene)
-    for _ in range(4):
+    length, _ = length_unit(trials[0].scene)
+    for _ in range(_TRIES):
         fits = in_steps(duration, steps, MOST_SAMPLES)
         if fits is None:
-            return [_unknown("the time steps have no common multiple within the horizon")]
-        here, there = (_beginning(trial, _recorded(trial, *fits)) for trial in trials)
-        allowed = np.maximum.accumulate(here.off + there.off)
-        known = int((allowed <= _HORIZON * length).sum())
-        if known >= min(8, len(allowed)):
+            return "the time steps have no common multiple within the horizon"
+        both = [_beginning(trial, _recorded(trial, *fits)) for trial in trials]
+        away = np.maximum.accumulate(allowed(both))
+        known = int((away <= _HORIZON * length).sum())
+        if known >= min(wanted, len(away)):
             break
-        duration = 1.25 * float(here.run["time"][max(known, 1)])
-    if known < 2:
-        return [_unknown("the runs part before the first sample")]
-    away = apart(here.run, there.run)[:known]
+        shorter = 1.25 * float(both[0].run["time"][max(known, 1)])
+        if shorter >= duration:
+            break
+        duration = shorter
+    return (both, away, known) if known > 1 else "the runs part before the first sample"
+
+
+def _source(trial: Trial, run: Run, number: int) -> Source:
+    """The positions of a run as a trajectory; number: of its first samples."""
+    positions = run["positions"][:number]
+    steps = None if trial.method.dt is None else np.rint(run["time"][:number] / trial.method.dt).astype(np.int64)
+    wide = np.pad(positions, ((0, 0), (0, 0), (0, 3 - positions.shape[2])))
+    return in_memory(trial.result.engine, run["time"][:number], wide, steps=steps)
+
+
+def _of_other_steps(one: Trial, other: Trial) -> Judgement:
+    """Positions until the sum of both errors is a tenth of the scene's length."""
+    trials = (one, other)
+    length, unit = length_unit(one.scene)
+
+    def explained(both: list[_Beginning]) -> Floats:
+        parts = [_off(trial, part) for trial, part in zip(trials, both, strict=True)]
+        return np.asarray(parts[0] + parts[1])
+
+    found = _until_horizon(trials, min(_horizon(trial) for trial in trials), LEAST_SAMPLES, explained)
+    if isinstance(found, str):
+        return _unknown(found)
+    both, allowed, known = found
+    away = apart(both[0].run, both[1].run)[:known]
     share = away[1:] / np.where(allowed[1:known] > 0, allowed[1:known], np.finfo(float).tiny)
     worst = int(np.argmax(share)) + 1
-    time = here.run["time"]
+    time = both[0].run["time"]
     note = f"until t = {time[known - 1]:g} of {one.scene.duration:g}: {away.max() / length:.2g} of the {unit}; largest "
     note += f"share at t = {time[worst]:g}, {away[worst] / length:.2g} where {allowed[worst] / length:.2g} is explained"
     why = "twice (late kicks: four times) what halving dt changes, and rounding errors as they grow in a twin, of both"
     name = "distance of the paths over what dt and rounding explain, largest"
-    judged = [bounded(name, float(share.max()), 1.0, why, note=note)]
-    if _same_map(one, other):
-        rounding = np.maximum.accumulate(here.rounding + there.rounding)
-        few = int((rounding <= _HORIZON * length).sum())
-        share = apart(here.run, there.run)[1:few] / np.maximum(rounding[1:few], np.finfo(float).tiny)
-        name = "the same, over what rounding alone explains: both have one scheme"
-        why = "a rounding at each step of both, as it grows in a twin"
-        judged.append(
-            bounded(name, float(share.max(initial=0.0)), 1.0, why, note=f"until t = {time[max(few - 1, 0)]:g}")
-        )
-    return judged
-
-
-def _same_map(one: Trial, other: Trial) -> bool:
-    """Whether both take the same steps: one scheme, of which there is one form, under forces alone."""
-    same = one.method.scheme == other.method.scheme and one.method.dt == other.method.dt
-    return same and one.scene.hard_spheres is None and len(MAPS.get(one.method.scheme, ())) == 1
+    return bounded(name, float(share.max()), 1.0, why, note=note)
 
 
 def _horizon(trial: Trial) -> float:
@@ -206,23 +274,26 @@ def _recorded(trial: Trial, duration: float, interval: float) -> Scene:
 def _beginning(trial: Trial, scene: Scene) -> _Beginning:
     whole = Extra("the beginning", scene, trial.method, trial.seconds(scene.duration))
     run, twin = trial.make(whole), trial.make(twin_of(trial, scene))
-    rounding = rounding_growth(trial, run, twin)
+    return _Beginning(scene, run, twin, rounding_growth(trial, run, twin))
+
+
+def _off(trial: Trial, beginning: _Beginning) -> Floats:
+    """How far a run may be off at each sample of its beginning, (samples,), length."""
     if trial.method.dt is None:
-        return _Beginning(run, rounding, rounding)
-    half = trial.make(halved(trial, scene))
+        return beginning.rounding
+    run, half = beginning.run, trial.make(halved(trial, beginning.scene))
     late = trial.kind == "collision_search" or jump(trial.scene) is not None
     off = (4.0 if late else 2.0) * np.maximum.accumulate(apart(run, half))
     if trial.kind == "collision_search":
         fastest = float(np.linalg.norm(run["velocities"], axis=2).max())
         collided = run.get("collisions", np.arange(len(off)))
         off = off + np.where(collided > 0, 2 * fastest * trial.method.step, 0.0)
-    return _Beginning(run, off + rounding, rounding)
+    return np.asarray(off + beginning.rounding)
 
 
 def _unknown(reason: str) -> Judgement:
-    judged = bounded(
-        "samples at which paths can be compared", 0.0, 1.0, "a path until chaos", at_least=True, note=reason
-    )
+    why = "paths until chaos, means of what is stationary"
+    judged = bounded("samples at which the runs can be compared", 0.0, 1.0, why, at_least=True, note=reason)
     return replace(judged, outcome="inconclusive")
 
 
@@ -235,8 +306,8 @@ def _means(one: Trial, other: Trial) -> list[Judgement]:
     half = [_half(trial) if one.method != other.method else {} for trial in (one, other)]
     judged = []
     for name in here:
-        if name not in there:
-            continue
+        if name not in there or np.array_equal(here[name], there[name]):
+            continue  # of the same numbers there is nothing to be told
         means = [equilibrium.mean_of(series[name]) for series in (here, there)]
         doubt = sum(
             abs(mean.value - float(np.mean(smaller[name])))

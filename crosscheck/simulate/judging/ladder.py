@@ -2,8 +2,8 @@
 
 Two runs with steps dt and dt/2 part by an amount of the order dt^p, which grows with time; where the motion is chaotic,
 exponentially. As long as it is small beside the lengths of the scene it is proportional to dt^p, and shows the order.
-The time until which this holds is the horizon. A twin, whose velocities at the start are changed by a relative 1e-9,
-shows by how much a rounding error has grown.
+The time until which this holds is the horizon. A twin, whose start is disturbed by a relative 1e-9, shows by how much a
+rounding error has grown.
 
 Literature: L. F. Richardson, Phil. Trans. R. Soc. A 226, 299 (1927); E. Hairer, S. P. Norsett and G. Wanner, Solving
 Ordinary Differential Equations I, 2nd ed., Springer (1993), section II.4.
@@ -18,16 +18,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crosscheck.compare.twin import DISTURBANCE, disturbed
 from crosscheck.engines.protocol import Run
 from crosscheck.references import EPSILON
 from crosscheck.references.lennard_jones import energy_of_the_cut
-from crosscheck.scene import Floats, Output, Scene, explicit
+from crosscheck.scene import Floats, Output, Scene
 from crosscheck.simulate.judging.recording import MOST_BYTES, in_steps, with_observables
 from crosscheck.simulate.judging.trial import Extra, Trial
 from crosscheck.simulate.summary import length_unit
 
-#: Relative change of the velocities of a twin at its start.
-DISTURBANCE = 1e-9
 #: Where runs with dt and dt/2 differ by more, relative to the length of the scene, the difference may not be
 #: proportional to dt^p any more.
 LINEAR = 2e-3
@@ -223,15 +222,9 @@ def _may_be_coarser(trial: Trial, scene: Scene, number: int) -> bool:
 
 
 def twin_of(trial: Trial, scene: Scene) -> Extra:
-    """The run of `scene`, a beginning of the trial's, from velocities that are a little off."""
-    state = scene.own_start()
-    fastest = float(np.abs(state.velocities).max(initial=0.0)) or float(np.abs(trial.run["final_velocities"]).max())
-    rng = np.random.default_rng(1)
-    change = DISTURBANCE * fastest * rng.uniform(-1, 1, state.velocities.shape)
-    change[~trial.free] = 0.0
-    twin = explicit(state.positions, state.velocities + change, state.angular_velocities)
-    changed = scene.model_copy(update={"initial": twin, "seed": trial.seed})
-    return Extra("a twin from other velocities", changed, trial.method, trial.seconds(scene.duration))
+    """The run of `scene`, a beginning of the trial's, from a start that is a little off."""
+    changed = scene.model_copy(update={"initial": disturbed(scene), "seed": trial.seed})
+    return Extra("a twin from a disturbed start", changed, trial.method, trial.seconds(scene.duration))
 
 
 def halved(trial: Trial, scene: Scene) -> Extra:

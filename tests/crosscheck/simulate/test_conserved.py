@@ -27,6 +27,12 @@ from crosscheck.simulate import conserved
 from crosscheck.simulate.conserved import changes_momentum, energy, has_potential, turns
 
 EVENTS, STEPS = Method(scheme="event_driven"), Method(scheme="velocity_verlet", dt=0.1)
+
+
+def soft(**entries):
+    return STEPS.model_copy(update={"contact": Contact(**entries)})
+
+
 ROUGH = Friction(tangential_restitution=0.5)
 
 
@@ -61,8 +67,19 @@ FIXED = hard(spheres=HardSpheres(fixed=(0,)), species=(0, 1), initial=Explicit(p
         (hard(HALF, {"x-": Face(velocity=0.5)}), EVENTS, "changed"),
         (hard(HALF, {"x-": Face(temperature=0.5)}, seed=1), EVENTS, "changed"),
         (hard(HALF, {"x-": Face(oscillation=Oscillation(amplitude=0.1, frequency=1.0))}), EVENTS, "changed"),
-        (hard(), STEPS.model_copy(update={"contact": Contact(stiffness=10.0)}), "kept"),
-        (hard(), STEPS.model_copy(update={"contact": Contact(k_n=10.0, gamma_n=1.0)}), "changed"),
+        (hard(), soft(stiffness=10.0), "kept"),
+        (hard(), soft(k_n=10.0), "kept"),
+        (hard(), soft(k_n=10.0, gamma_n=0.0), "kept"),
+        (hard(), soft(k_n=10.0, gamma_n=1.0), "lost"),
+        (hard(), soft(law="hertz", E=10.0, nu=0.3, gamma_n=1.0), "lost"),
+        (hard(HALF, {"x-": Face(velocity=0.5)}), soft(k_n=10.0, gamma_n=1.0), "changed"),
+        (hard(spheres=GRAINS), soft(k_n=10.0, gamma_n=0.0, gamma_t=1.0, mu=0.5, friction="dashpot"), "lost"),
+        # a spring along the contact gives back what it has taken up
+        (hard(spheres=GRAINS), soft(k_n=10.0, gamma_n=1.0, k_t=3.0), "changed"),
+        (hard(spheres=GRAINS), soft(stiffness=10.0), "changed"),
+        (hard(spheres=GRAINS), soft(stiffness=10.0, friction="dashpot"), "lost"),
+        (hard(spheres=GRAINS), soft(k_n=10.0, gamma_n=0.0, k_t=3.0, gamma_t=1.0, mu=0.0), "kept"),
+        (hard(spheres=GRAINS), soft(k_n=10.0, gamma_n=2.0, k_t=3.0, mu=0.0), "lost"),
     ],
 )
 def test_energy(one, method, expected):
@@ -145,3 +162,4 @@ def test_what_takes_energy_up():
     assert [conserved.dissipates(one, EVENTS) for one in (rough, warm)] == [True, False]
     assert conserved.dissipates(hard(spheres=HardSpheres(restitution=0.9)), EVENTS)
     assert not conserved.dissipates(hard(), EVENTS)
+    assert [conserved.dissipates(hard(), soft(k_n=10.0, gamma_n=rate)) for rate in (1.0, 0.0)] == [True, False]

@@ -1,7 +1,10 @@
-"""Where short runs for an audit begin: where the run began, and where it ended."""
+"""Where short runs for an audit begin: where a run began, and where one ended."""
 
 from __future__ import annotations
 
+import math
+
+from crosscheck.engines.protocol import Run
 from crosscheck.errors import UsageError
 from crosscheck.scene import Method, Scene, explicit
 from crosscheck.simulate.judging.trial import Trial
@@ -10,20 +13,43 @@ from crosscheck.simulate.judging.trial import Trial
 def from_start_and_end(trial: Trial) -> list[tuple[str, Scene]]:
     """The scene with the initial state that it has, and with the state at the end of the run; in words, where.
 
-    The second one is left out where it is no state to begin with, as when hard spheres overlap by more than rounding.
-    trial: the run.
+    The second one is left out where it is no state to begin with. trial: the run.
     """
     found = [("from the start", trial.scene)]
-    if not trial.broken:
-        run = trial.run
-        last = explicit(run["final_positions"], run["final_velocities"], run.get("final_angular_velocities"))
-        end = trial.scene.model_copy(update={"initial": last, "seed": trial.seed})
-        try:
-            end.own_start()
-        except UsageError:
-            return found
-        found.append(("from the end", end))
-    return found
+    end = None if trial.broken else from_end_of(trial, trial.run, trial.end)
+    return found if end is None else [*found, ("from the end", end)]
+
+
+def from_end_of(trial: Trial, run: Run, time: float) -> Scene | None:
+    """The scene with the state at the end of a run of it; None if that is no state to begin with.
+
+    So it is where hard spheres overlap by more than rounding. Walls that oscillate go on from where they were, if the
+    engine understands their phase. trial: the run that is judged. run: it, or another one of its scene. time: its end.
+    """
+    last = explicit(run["final_positions"], run["final_velocities"], run.get("final_angular_velocities"))
+    scene = trial.scene.model_copy(update={"initial": last, "seed": trial.seed})
+    moved = _walls_moved_on(scene, time)
+    scene = moved if trial.able(moved) else scene
+    try:
+        scene.own_start()
+    except UsageError:
+        return None
+    return scene
+
+
+def _walls_moved_on(scene: Scene, time: float) -> Scene:
+    """The scene with the phases that its walls have at a time."""
+    box = scene.box
+    if box is None or not box.faces:
+        return scene
+    faces = {}
+    for name, face in box.faces.items():
+        moves = face.oscillation
+        if moves is not None:
+            phase = math.remainder(moves.phase + moves.frequency * time, 2 * math.pi)
+            face = face.model_copy(update={"oscillation": moves.model_copy(update={"phase": phase})})
+        faces[name] = face
+    return scene.model_copy(update={"box": box.model_copy(update={"faces": faces})})
 
 
 def with_output(scene: Scene, method: Method, duration: float, **output: object) -> Scene:
