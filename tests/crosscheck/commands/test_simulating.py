@@ -46,8 +46,9 @@ class Outcome(NamedTuple):
 
 @pytest.fixture
 def judged(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path) -> Any:
-    """Judges the orbit, in plain Python and with few laws, and writes to out/."""
+    """Judges the orbit, in plain Python, with few laws and without a picture, and writes to out/."""
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    monkeypatch.setattr("crosscheck.simulate.run.draw_picture", lambda *_: [])
     monkeypatch.chdir(tmp_path)
     Path("orbit.toml").write_text(ORBIT)
 

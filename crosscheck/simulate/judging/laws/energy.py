@@ -31,6 +31,8 @@ _HALVINGS = 2
 _GROWN = 3.0
 #: How far below its order a change may fall.
 _HALF = 0.5
+#: What halving dt changes adds up to no more than so many times the first change, if it falls at least as dt^0.1.
+_SLOWLY = 16.0
 #: Standard deviations of what late kicks do: beyond it is the probability 6e-7.
 _SIGMAS = 5.0
 
@@ -136,7 +138,7 @@ def _of_few(trial: Trial) -> Judged:
     judged = bounded("change of the energy with the smallest dt, relative", off / scale, limit, why, note=note)
     if judged.outcome == "fail" and claimed is None:
         return replace(judged, outcome="inconclusive", note=f"{note}; the scheme claims no order")
-    return judged if _falls(changes, order) else _not_yet(judged)
+    return judged if _falls(changes, order) or off > _SLOWLY * max(changes) else _not_yet(judged)
 
 
 def _long(trial: Trial) -> list[Extra]:
@@ -197,7 +199,8 @@ def _only_lost(trial: Trial) -> Judged:
     note = f"dt = {found.steps[-1]:g}, until t = {found.until:g} of {trial.scene.duration:g}"
     name = "growth of an energy that can only be lost, relative"
     judged = bounded(name, grown / scale, limit / scale, why, note=note)
-    return judged if _falls([float(np.abs(b - a).max()) for a, b in pairwise(series)], 1) else _not_yet(judged)
+    changes = [float(np.abs(b - a).max()) for a, b in pairwise(series)]
+    return judged if _falls(changes, 1) or grown > _SLOWLY * max(changes) else _not_yet(judged)
 
 
 def _falls(changes: Sequence[float], order: int) -> bool:
