@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from crosscheck.scene import Floats, Output
+from crosscheck.engines.protocol import Run
+from crosscheck.scene import Floats, Output, Scene, explicit
 from crosscheck.simulate.judging.law import Law
 from crosscheck.simulate.judging.trial import Extra, Trial
 from crosscheck.verdict import Judged, Judgement, by_chance, statistical, worst
 
-#: Hits of thermal walls that are wanted; and events of all kinds in a run at most, passages of cells included.
-_HITS, _EVENTS = 80_000.0, 1_000_000.0
+#: Hits of thermal walls that are wanted; events of all kinds in a run at most, passages of cells included; particles.
+_HITS, _EVENTS, _SOME = 80_000.0, 1_000_000.0, 20
+#: How often a run is made longer, and by what factor at least.
+_TRIES, _LONGER = 2, 1.5
 
 
 def _excuse(trial: Trial) -> str | None:
@@ -38,21 +43,61 @@ def _hits_of(trial: Trial) -> float:
 
 
 def _extra(trial: Trial) -> Extra:
-    """A run with a trace, from the scene's start; of another attempt, with other random numbers."""
-    longer = min(_HITS / max(_hits_of(trial), 1.0), _EVENTS / max(trial.run.cost.events, 1))
-    duration = trial.end * min(longer, max(1.0, trial.allowance / max(trial.seconds(trial.end), 1e-9)))
-    seed = (trial.seed or 0) + trial.attempt
-    changes = {"duration": duration, "seed": seed, "output": Output(interval=duration, trace=True)}
-    return Extra(
-        "draws of thermal walls", trial.scene.model_copy(update=changes), trial.method, trial.seconds(duration)
-    )
+    """A run of some of the particles with a trace; of another attempt, with other random numbers.
+
+    What a wall draws depends on nothing but the mass: among few particles most events are hits of walls.
+    """
+    scene = _of_some(trial)
+    share = scene.number / trial.scene.number
+    longer = min(_HITS / max(_hits_of(trial) * share, 1.0), _EVENTS / max(trial.run.cost.events * share, 1))
+    affordable = trial.allowance / max(trial.seconds(trial.end) * share, 1e-9)
+    duration = trial.end * min(longer, max(1.0, affordable))
+    scene = scene.model_copy(update={"seed": (trial.seed or 0) + trial.attempt})
+    return _lasting(duration, Extra("draws of thermal walls", scene, trial.method, trial.seconds(duration) * share))
+
+
+def _lasting(duration: float, extra: Extra) -> Extra:
+    changes = {"duration": duration, "output": Output(interval=duration, trace=True)}
+    return replace(extra, scene=extra.scene.model_copy(update=changes))
+
+
+def _with_many(trial: Trial) -> Run:
+    """A run with as many hits as are wanted and can be had: few particles hit walls less often than a crowd."""
+    extra = _extra(trial)
+    run = trial.make(extra)
+    for _ in range(_TRIES):
+        hits = float(np.isin(run["event_partners"][:, 1], [-1 - face for face in _faces(trial)]).sum())
+        longer = min(
+            _HITS / max(hits, 1.0), _EVENTS / max(run.cost.events, 1), trial.allowance / max(run.cost.cpu, 1e-9)
+        )
+        if longer < _LONGER:
+            break
+        extra = _lasting(longer * extra.scene.duration, extra)
+        run = trial.make(extra)
+    return run
+
+
+def _of_some(trial: Trial) -> Scene:
+    """The scene with so many of its particles as are enough, of those that move."""
+    scene, start = trial.scene, trial.start
+    free = np.flatnonzero(trial.free)
+    if free.size <= _SOME:
+        return scene
+    chosen = free[np.linspace(0, free.size - 1, _SOME).astype(int)]
+    spins = None if start.angular_velocities is None else start.angular_velocities[chosen]
+    changes: dict[str, Any] = {"initial": explicit(start.positions[chosen], start.velocities[chosen], spins)}
+    for name in ("masses", "species"):
+        each = getattr(scene, name)
+        if isinstance(each, tuple):
+            changes[name] = tuple(each[k] for k in chosen)
+    return scene.model_copy(update=changes)
 
 
 def _judge(trial: Trial) -> Judged:
     """Energies with which particles leave each wall, and the distribution of the normal ones."""
-    run = trial.make(_extra(trial))
+    run = _with_many(trial)
     who, v = run["event_partners"].astype(int), run["event_velocities"][:, 0]
-    masses, faces = trial.start.masses, _faces(trial)
+    masses, faces = _of_some(trial).own_start().masses, _faces(trial)
     judged: list[Judgement] = []
     for temperature in sorted(set(faces.values())):
         normal, along = [], []
