@@ -11,6 +11,9 @@ from crosscheck.simulate.judging.law import Law
 from crosscheck.simulate.judging.trial import Trial
 from crosscheck.verdict import Judged, round_off, worst
 
+#: Roundings of a mean occupation in a step: of the factors of a product, of their sum, and of a force.
+_EACH = 16
+
 
 def _excuse(trial: Trial) -> str | None:
     if trial.scene.lattice_gas is None:
@@ -31,8 +34,8 @@ def _judge(trial: Trial) -> Judged:
     rounding = 0.5
     why = "whole numbers are equal, or they are not"
     if not exact:
-        rounding = EPSILON * float(mass.max()) * (8 + steps**0.5) * 8
-        why = "eight roundings of each sum, and of each step, whose signs are random"
+        rounding = EPSILON * _EACH * float(mass.max()) * (1 + steps)
+        why = f"{_EACH} roundings of each sum, and of a mean occupation in each step, at worst all alike"
     judged = [
         round_off("particles made or lost", float(np.abs(mass - mass[0]).max()), rounding, why),
         round_off("particles at the start, less those of the scene", _missing(trial, float(mass[0])), rounding, why),
