@@ -50,7 +50,7 @@ class Rung(NamedTuple):
     """One step of a ladder.
 
     step: dt. change, energy: what halving it changes positions and energy by, relative; None: it was not halved. order,
-    energy_order: log2 of that over the same of dt/2. cpu: CPU time of the run, s.
+    energy_order: log2 of that over the same of dt/2, where both are beyond rounding. cpu: CPU time of the run, s.
     """
 
     step: float
@@ -86,7 +86,8 @@ class Ladder:
         found = []
         for k, (step, run) in enumerate(zip(self.steps, self.runs, strict=True)):
             changes, energies = (list(values[k : k + 2]) for values in (self.changes, self.energies))
-            found.append(Rung(step, *_with_order(changes), *_with_order(energies), run.cost.cpu))
+            orders = _with_order(changes, ABOVE * self.floor), _with_order(energies, ABOVE * EPSILON)
+            found.append(Rung(step, *orders[0], *orders[1], run.cost.cpu))
         return found
 
     @property
@@ -111,9 +112,9 @@ class Ladder:
         return [float(np.log2(a / b)) for a, b in pairwise(used)]
 
 
-def _with_order(changes: list[float]) -> tuple[float | None, float | None]:
-    """A change and its order, from it and the next one, as far as they are there."""
-    if len(changes) < 2 or not min(changes) > 0:
+def _with_order(changes: list[float], rounding: float) -> tuple[float | None, float | None]:
+    """A change and its order, from it and the next one, as far as they are there and beyond rounding."""
+    if len(changes) < 2 or not min(changes) > rounding:
         return (changes[0] if changes else None), None
     return changes[0], float(np.log2(changes[0] / changes[1]))
 

@@ -172,6 +172,10 @@ def _with_many(trial: Trial, where: str, scene: Scene) -> tuple[Extra, Run]:
     duration = _first_duration(trial)
     best = _extra(trial, where, scene, duration)
     run, most = trial.make_any(best), _FACTOR
+    if len(run["event_times"]) > 2 * _wanted(trial):  # as before an inelastic collapse, far more than on average
+        last = int(_wanted(trial))
+        best = _extra(trial, where, scene, float(run["event_times"][last - 1 : last + 1].mean()))
+        return best, trial.make_any(best)
     for _ in range(_TRIES):
         seen = len(run["event_times"])
         factor = min(most, 0.8 * _wanted(trial) / max(seen, 1), trial.end / duration)
