@@ -168,17 +168,12 @@ def _times(trial: Trial) -> tuple[float, float]:
         rate = 2 * counted / (scene.number * trial.end)
     else:
         diameter = float(np.mean(np.asarray(scene.diameters())))
-        eta = min(0.4, packing_fraction(scene.number / _room(trial), scene.dimension, diameter))
+        eta = min(0.4, packing_fraction(scene.number / trial.room, scene.dimension, diameter))
         kinetic = 0.5 * float((masses[:, None] * trial.states[2][-1] ** 2).sum())
         temperature = 2 * kinetic / (scene.dimension * scene.number)
         rate = collision_rate(eta, scene.dimension, temperature, float(masses.mean()), diameter).value
     # a pair of unlike masses exchanges the share 4 m M/(m + M)^2 of its energy
     return _FORGETS / rate * float(masses.max() / masses.min()), 1.0 / rate
-
-
-def _room(trial: Trial) -> float:
-    lengths = trial.scene.lengths()
-    return float(np.prod(np.ptp(trial.start.positions, axis=0) if lengths is None else lengths))
 
 
 def extra(trial: Trial) -> Extra | None:

@@ -50,7 +50,7 @@ def late_kicks(trial: Trial, dt: float, duration: float, kinetic: float) -> floa
     scene, d = trial.scene, trial.scene.dimension
     lj = scene.lennard_jones
     assert lj is not None
-    number, volume = scene.number, _room(trial)
+    number, volume = scene.number, trial.room
     lightest = float(trial.start.masses.min())
     temperature = 2 * kinetic / (d * number)
     variance = 0.0
@@ -69,9 +69,3 @@ def late_kicks(trial: Trial, dt: float, duration: float, kinetic: float) -> floa
         faces = sum(2 * number / float(lengths[axis]) for axis in range(d) if scene.boundaries[axis] == "wall")
         variance += 4 * faces * speed * at_cutoff(like)[1] ** 2 * 2 * temperature / lightest
     return float((variance * duration / 3) ** 0.5 * dt)
-
-
-def _room(trial: Trial) -> float:
-    """Volume of the box, or of what the particles fill at the start."""
-    lengths = trial.scene.lengths()
-    return float(np.prod(np.ptp(trial.start.positions, axis=0) if lengths is None else lengths))

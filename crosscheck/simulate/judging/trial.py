@@ -165,6 +165,12 @@ class Trial:
         return np.array([0.0, self.end]), *states
 
     @property
+    def room(self) -> float:
+        """Volume (area, in the plane) of the box, or of what the particles fill at the start."""
+        lengths = self.scene.lengths()
+        return float(np.prod(np.ptp(self.start.positions, axis=0) if lengths is None else lengths))
+
+    @property
     def end(self) -> float:
         """Time at the end of the run."""
         counted = self.scene.output.collisions is not None and np.isfinite(self.run["time"][-1])

@@ -57,14 +57,12 @@ def _judge(trial: Trial) -> Judged:
 
 
 def _distance(squares: Floats, group: str, found: Equilibrium) -> Judgement:
-    from scipy.stats import kstwo
+    from scipy.stats import kstest, kstwo
 
     law = share_distribution(found.scene.dimension, found.freedoms)
-    values = np.sort(squares) * found.scene.dimension / found.freedoms
-    expected, seen = law.cdf(values), np.arange(values.size + 1) / values.size
-    distance = float(max((seen[1:] - expected).max(), (expected - seen[:-1]).max()))
-    why = f"Kolmogorov's distribution for {values.size} speeds, of samples so far apart that they have changed"
-    return by_chance(f"distance from Maxwell (Kolmogorov-Smirnov){group}", distance, kstwo(values.size), why)
+    distance = float(kstest(squares * found.scene.dimension / found.freedoms, law.cdf, method="asymp").statistic)
+    why = f"Kolmogorov's distribution for {squares.size} speeds, of samples so far apart that they have changed"
+    return by_chance(f"distance from Maxwell (Kolmogorov-Smirnov){group}", distance, kstwo(squares.size), why)
 
 
 def _apart(squares: Floats) -> int:

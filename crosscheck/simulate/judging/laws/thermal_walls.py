@@ -112,15 +112,13 @@ def _judge(trial: Trial) -> Judged:
 
 def _of_walls(normal: Floats, along: Floats, dimension: int, temperature: float) -> list[Judgement]:
     """normal: m v_n^2/2T of each draw, (draws,). along: the same of the components along the wall, summed."""
-    from scipy.stats import expon, kstwo
+    from scipy.stats import expon, kstest, kstwo
 
     number, name = len(normal), f"walls of T = {temperature:g}"
     if number < 2:
         return [statistical(f"energy with which particles leave {name}", 1.0, 1.0, 1.0, 0.0, "", samples=number)]
     whole = (normal + along) / ((dimension + 1) / 2)
-    values = np.sort(normal)
-    seen, expected = np.arange(number + 1) / number, expon.cdf(values)
-    distance = float(max((seen[1:] - expected).max(), (expected - seen[:-1]).max()))
+    distance = float(kstest(normal, expon.cdf, method="asymp").statistic)
     return [
         statistical(
             f"energy with which particles leave {name}, over T (d + 1)/2", float(whole.mean()),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from judged import outcomes, verdicts, with_fault
 
@@ -299,6 +301,16 @@ def test_a_run_that_ends_early_is_red_and_judged_no_further(pool):
     assert "inelastic collapse" in found["end"].findings.note
     assert found["momentum"].message == "momentum: the run ended before its time"
     assert found["audit"].outcome == "pass"  # of all that happened until then
+
+
+def test_pieces_for_the_audit_stay_short_where_events_crowd(pool):
+    """A gas that cools: at its start events are far more frequent than on average."""
+    cooling = MIXTURE.changed(duration=80.0, hard_spheres=HardSpheres(restitution=0.7), species=None, masses=1.0)
+    found = verdicts(pool, cooling)["audit"]
+    assert found.outcome == "pass"
+    numbers = [int(number) for number in re.findall(r"(\d+) events", found.findings.note)]
+    assert len(numbers) == 2
+    assert 20 <= min(numbers) <= max(numbers) <= 120
 
 
 def test_steps_of_half_a_particle_are_no_motion(pool):

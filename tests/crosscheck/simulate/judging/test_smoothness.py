@@ -45,6 +45,7 @@ class _Trial:
     def __init__(self, one: Scene, scheme: str = "velocity_verlet") -> None:
         self.scene, self.method, self.start = one, Method(scheme=scheme, dt=0.01), one.own_start()
         self.claims = engine_class("refimpl").schemes[scheme]
+        self.room = 1.0 if one.box is None else float(np.prod(one.lengths()))
 
 
 def test_kicks_add_up_as_a_random_walk_and_those_of_walls_with_them() -> None:
