@@ -35,6 +35,7 @@ def plain(monkeypatch):
     """Workers run plain Python: nothing is compiled; and audits are short."""
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     monkeypatch.setattr("crosscheck.simulate.judging.audits.events.MOST_EVENTS", 60)
+    monkeypatch.setattr("crosscheck.simulate.judging.audits.events._AUDITED", 50)
     monkeypatch.setattr("crosscheck.simulate.judging.equilibrium.WANTED", 60)
     monkeypatch.setattr("crosscheck.simulate.judging.laws.thermal_walls._HITS", 100.0)
     monkeypatch.setattr("crosscheck.simulate.judging.audits.steps._PAIRS", 2000)
@@ -97,7 +98,7 @@ CLUSTER = scene(
     duration=1.0,
     lennard_jones=LennardJones(cutoff=2.0),
     initial=Explicit(positions=((0.0, 0.0), (1.1, 0.1), (0.5, 1.0)), velocities=((0.1, 0.2), (-0.2, 0.0), (0.1, -0.2))),
-    method=Method(scheme="velocity_verlet", dt=1 / 256),
+    method=Method(scheme="velocity_verlet", dt=1 / 128),
 )
 SOFT = scene(
     "soft",
@@ -116,7 +117,7 @@ OWN = SOFT.changed(
 #: Collisions that follow each other within the contact duration are rare: no stretch that is audited has one by chance.
 RARE = MIXTURE.changed(
     name="rare",
-    duration=40.0,
+    duration=16.0,
     hard_spheres=HardSpheres(restitution=0.98, contact_duration=3e-3),
     species=None,
     masses=1.0,
