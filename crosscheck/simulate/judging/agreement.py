@@ -74,7 +74,8 @@ def extras(one: Trial, other: Trial) -> list[tuple[Trial, Extra]]:
         return []
     found = []
     for trial in (one, other):
-        found += [(trial, extra) for extra in (first_extras(trial) if trial.method.dt is not None else [])]
+        if trial.method.dt is not None and not _same_steps(one, other):
+            found += [(trial, extra) for extra in first_extras(trial)]
         if _no_means(one, other) is None and equilibrium.why_none(trial) is None:
             found += [(trial, extra) for extra in equilibrium.extras(trial)]
     return found
