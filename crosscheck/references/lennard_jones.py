@@ -231,7 +231,7 @@ def tail_corrections(scene: Scene) -> tuple[float, float]:
     return energy, virial / (d * volume)
 
 
-def cut_diffusion(scene: Scene, temperature: float, dt: float) -> float:
+def cut_diffusion(scene: Scene, temperature: float, dt: float, volume: float) -> float:
     """Variance of the energy that a step of the force at the cutoff adds per time, in steps of Verlet's kind.
 
     A pair that passes the cutoff with the relative velocity v along its line within a step of length dt gets the force
@@ -241,7 +241,7 @@ def cut_diffusion(scene: Scene, temperature: float, dt: float) -> float:
     1/m_j) = s^2; in the mean over those that pass, <v^2> = 2 s^2, and <|v|> = (2/pi)^(1/2) s. 0 for truncation
     "force_shifted".
 
-    scene: of [lennard_jones] in a box. temperature: T, energy. dt: time. Derivation: as above.
+    scene: of [lennard_jones]. temperature: T, energy. dt: time. volume: V, that they fill, length^d. Derivation: as above.
     """
     lj, state, d = scene.lennard_jones, _start(scene), scene.dimension
     assert lj is not None
@@ -253,7 +253,7 @@ def cut_diffusion(scene: Scene, temperature: float, dt: float) -> float:
     _, force = _potential(np.full_like(epsilon, lj.cutoff), epsilon, sigma)
     s2 = temperature * np.add.outer(1 / masses, 1 / masses)
     surface = (4 * np.pi if d == 3 else 2 * np.pi) * lj.cutoff ** (d - 1)
-    rates = np.outer(counts, counts) / (2 * scene.volume()) * surface * np.sqrt(2 / np.pi * s2)
+    rates = np.outer(counts, counts) / (2 * volume) * surface * np.sqrt(2 / np.pi * s2)
     return float((rates * force**2 * 2 * s2).sum()) * dt**2 / 12
 
 

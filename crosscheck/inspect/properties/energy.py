@@ -170,7 +170,7 @@ class _Energy(Collector):
             return 0.0
         values = setting.clock.values
         temperature = 2 * float(np.mean(self._kinetic)) / setting.freedoms
-        per_time = cut_diffusion(scene, temperature, self._time_step())
+        per_time = cut_diffusion(scene, temperature, self._time_step(), scene.volume())
         return math.sqrt(_LINE * per_time * abs(float(values[len(self._kinetic) - 1] - values[0])))
 
     def _time_step(self) -> float:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.checks.stepping.orbits import nominal_order
-from crosscheck.references.lennard_jones import at_cutoff
+from crosscheck.references.lennard_jones import at_cutoff, cut_diffusion
 from crosscheck.scene import Scene
 from crosscheck.simulate.judging.trial import Trial
+
+#: More pairs than those at random are at no more than this at a cutoff: g(r) there.
+_CROWDED = 1.5
 
 
 def jump(scene: Scene) -> str | None:
@@ -41,24 +44,19 @@ def claimed_order(trial: Trial) -> int | None:
 def late_kicks(trial: Trial, dt: float, duration: float, kinetic: float) -> float:
     """Standard deviation of the energy after so much time, by forces that jump at a cutoff and act at whole steps.
 
-    A pair that crosses the cutoff with the normal velocity v gets its force f up to a step too early or too late: its
-    energy is off by f v dt u, u between -1 and 1, <u^2> <= 1/3. Pairs cross (N^2/2V) S r^(d-1) g <|v|> times per time,
-    with the normal velocities of a gas at the temperature T, <v^2> = 4 T/m of those that cross; g <= 1.5. Particles
-    cross the reach of walls likewise, at four times the mean density at most. trial: of [lennard_jones]. dt: the step.
-    duration: time. kinetic: the largest kinetic energy.
+    A pair that crosses the cutoff gets its force up to a step too early or too late, as in
+    `crosscheck.references.lennard_jones.cut_diffusion`, whose pairs are at random: there are g(r_c) <= 1.5 times as
+    many. Particles cross the reach of walls likewise, at four times the mean density at most.
+
+    trial: of [lennard_jones]. dt: the step. duration: time. kinetic: the largest kinetic energy.
     """
     scene, d = trial.scene, trial.scene.dimension
     lj = scene.lennard_jones
     assert lj is not None
-    number, volume = scene.number, trial.room
-    lightest = float(trial.start.masses.min())
+    number, lightest = scene.number, float(trial.start.masses.min())
     temperature = 2 * kinetic / (d * number)
-    variance = 0.0
-    if lj.truncation != "force_shifted":
-        sphere = 2 * np.pi if d == 2 else 4 * np.pi
-        speed = 2 * (temperature / (np.pi * lightest)) ** 0.5
-        rate = 1.5 * number**2 / (2 * volume) * sphere * lj.cutoff ** (d - 1) * speed
-        variance += rate * at_cutoff(lj)[1] ** 2 * 4 * temperature / lightest
+    # up to a step late, of either sign: twice as far as a kick of half a step, and so four times the variance
+    variance = 4 * _CROWDED * cut_diffusion(scene, temperature, dt, trial.room)
     wall = None if scene.box is None else scene.box.wall
     lengths = scene.lengths()
     if wall is not None and lengths is not None:
@@ -67,5 +65,5 @@ def late_kicks(trial: Trial, dt: float, duration: float, kinetic: float) -> floa
         )
         speed = (2 * temperature / (np.pi * lightest)) ** 0.5
         faces = sum(2 * number / float(lengths[axis]) for axis in range(d) if scene.boundaries[axis] == "wall")
-        variance += 4 * faces * speed * at_cutoff(like)[1] ** 2 * 2 * temperature / lightest
-    return float((variance * duration / 3) ** 0.5 * dt)
+        variance += 4 * faces * speed * at_cutoff(like)[1] ** 2 * 2 * temperature / lightest * dt**2 / 3
+    return float((variance * duration) ** 0.5)

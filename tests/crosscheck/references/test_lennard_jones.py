@@ -418,13 +418,15 @@ def test_the_variance_per_time_is_a_sum_over_pairs(dimension: int, mixture: bool
             force = potential(CUTOFF, epsilon, sigma)[1]
             expected += surface * flux / scene.volume() * (force * dt) ** 2 * square / 12
     # N^2/2 pairs of the formula against N (N - 1)/2: as if particles met themselves
-    assert cut_diffusion(scene, temperature, dt) == pytest.approx(expected * number / (number - 1), rel=0.2)
+    assert cut_diffusion(scene, temperature, dt, scene.volume()) == pytest.approx(
+        expected * number / (number - 1), rel=0.2
+    )
     smooth = scene.changed(lennard_jones=lj.model_copy(update={"truncation": "force_shifted"}))
-    assert cut_diffusion(smooth, temperature, dt) == 0.0
+    assert cut_diffusion(smooth, temperature, dt, 1.0) == 0.0
 
 
 def test_the_variance_per_time_of_one_species_is_the_printed_one() -> None:
     scene = scene_of(scattered(3, 3, 8))
     rate = 8**2 / (2 * 4.0**3) * 4 * math.pi * CUTOFF**2 * math.sqrt(2 / math.pi * 2 * 1.3)
     expected = rate * (potential(CUTOFF, 1.0, 1.0)[1] * 0.004) ** 2 * 2 * 2 * 1.3 / 12
-    assert cut_diffusion(scene, 1.3, 0.004) == pytest.approx(expected, rel=1e-12)
+    assert cut_diffusion(scene, 1.3, 0.004, 4.0**3) == pytest.approx(expected, rel=1e-12)
