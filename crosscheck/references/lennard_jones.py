@@ -241,7 +241,8 @@ def cut_diffusion(scene: Scene, temperature: float, dt: float, volume: float) ->
     1/m_j) = s^2; in the mean over those that pass, <v^2> = 2 s^2, and <|v|> = (2/pi)^(1/2) s. 0 for truncation
     "force_shifted".
 
-    scene: of [lennard_jones]. temperature: T, energy. dt: time. volume: V, that they fill, length^d. Derivation: as above.
+    scene: of [lennard_jones]. temperature: T, energy. dt: time. volume: V, length^d, that they fill. By the derivation
+    above.
     """
     lj, state, d = scene.lennard_jones, _start(scene), scene.dimension
     assert lj is not None
