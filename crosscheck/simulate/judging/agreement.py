@@ -182,7 +182,8 @@ def _of_same_steps(one: Trial, other: Trial) -> Judgement:
         return bounded("distance of the starts", away, float(allowed[0]), "rounding: both start where the scene says")
     first, second = _source(one, here.run, known), _source(other, there.run, known)
     rates = [rate_of(part.run, part.twin, near=neighbours_of(one.scene)) for part in both]
-    rate = max((rate for rate in rates if rate is not None), key=lambda rate: rate.value, default=None)
+    # of right runs they are equal; one that is wrong may part faster from its own twin
+    rate = min((rate for rate in rates if rate is not None), key=lambda rate: rate.value, default=None)
     # statistics are looked at below, of longer series
     compared = compare_trajectories(first, second, "tolerance", rate=rate)
     parting = None if compared.growth is None else compared.growth.parting
