@@ -151,9 +151,10 @@ def _of_contacts(trial: Trial) -> Iterator[tuple[str, Extra, Run]]:
     soon, times = _soon(whole, traced), traced["event_times"]
     if not soon.any():
         return
-    seen = np.convolve(soon, np.ones(_AUDITED))[_AUDITED - 1 :][: len(soon)]  # among this event and those after it
+    number = int(min(_AUDITED, _wanted(trial)))
+    seen = np.convolve(soon, np.ones(number))[number - 1 :][: len(soon)]  # among this event and those after it
     window = int(np.argmax(seen))
-    first = max(0, window + int(np.argmax(soon[window:])) - _BEFORE)
+    first = max(0, window + int(np.argmax(soon[window:])) - min(_BEFORE, number // 2))
     begin = float(times[first] + (times[first - 1] if first else 0.0)) / 2
     before = trial.scene.model_copy(
         update={"duration": begin, "output": output.model_copy(update={"interval": begin or 1.0, "trace": False})}
@@ -161,7 +162,7 @@ def _of_contacts(trial: Trial) -> Iterator[tuple[str, Extra, Run]]:
     run = trial.make_any(Extra("contacts that follow each other", before, trial.method, trial.seconds(begin)))
     scene = from_end_of(trial, run, begin)
     if scene is not None:
-        span = float(times[min(first + _AUDITED, len(times) - 1)]) - begin
+        span = float(times[min(first + number, len(times) - 1)]) - begin
         where = f"from t = {begin:g}"
         extra = _extra(trial, where, scene, span)
         yield where, extra, trial.make_any(extra)
