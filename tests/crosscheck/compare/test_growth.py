@@ -279,3 +279,13 @@ def test_what_is_said_does_not_depend_on_the_unit_of_time(unit: float) -> None:
         assert there.law.rate * unit == pytest.approx(here.law.rate)
         assert there.law.limit == pytest.approx(here.law.limit, rel=1e-9, abs=0)
         assert there.law.horizon == pytest.approx(here.law.horizon * unit, rel=1e-9, abs=0)
+
+
+def test_what_rounding_and_chaos_explain_where_a_start_that_was_too_large_first_shows() -> None:
+    found = growth(separation(chaotic(1e-10, 2.5), 1e-6))
+    assert found.kind == "early"
+    assert found.law is not None
+    assert found.parting is not None
+    assert found.parting.frame > 20
+    explained = found.law.limit * math.exp(found.law.rate * TIMES[found.parting.frame])
+    assert found.parting.expected == pytest.approx(explained, rel=1e-9, abs=0)

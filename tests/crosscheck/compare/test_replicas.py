@@ -71,6 +71,16 @@ def test_of_two_the_second_leaves() -> None:
     assert replicas([in_memory(str(k), times, x) for k, x in enumerate(arrays)]).left == {1: 3}
 
 
+def test_frames_that_all_have_may_be_the_last_of_the_first_run() -> None:
+    arrays = copies(3)
+    arrays[2][8:] += 1.0
+    sources = [in_memory("0", np.arange(10.0), arrays[0])]
+    sources += [in_memory(str(k), np.arange(5.0, 10.0), arrays[k][5:]) for k in (1, 2)]
+    found = replicas(sources)
+    assert (found.frames, found.left) == (5, {2: 3})
+    assert found.when(3) == "t = 8"
+
+
 def test_one_frame_is_enough() -> None:
     arrays = copies(3, 1)
     arrays[1] += 1.0

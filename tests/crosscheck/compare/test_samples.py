@@ -196,3 +196,6 @@ def test_short_series_are_unclear_and_constants_are_left_out() -> None:
     rng = np.random.default_rng(1)
     tested = compare_series({"a": series(rng, 6, 0.0), "b": np.ones(50)}, {"a": series(rng, 6, 0.0), "b": np.ones(50)})
     assert [(one.name, one.outcome) for one in tested] == [("a", "unclear")]
+    (enough,) = compare_series({"a": series(rng, 14, 0.0)}, {"a": series(rng, 14, 0.0)})
+    assert 8 < enough.independent < 16
+    assert enough.outcome == "same"

@@ -101,6 +101,8 @@ def test_edges_that_a_file_has_rounded_or_left_out_are_no_difference() -> None:
         for box in (thin, none)
     ]
     assert different_setup(alone[0], alone[1], ROUNDING) == []
+    longer = alone[0]._replace(box=none._replace(vectors=np.diag([5.0, 5.5, 5.0])))
+    assert different_setup(alone[0], longer, ROUNDING) == ["the edges of the box are 5 x 5 x 5 against 5 x 5.5 x 5"]
 
 
 def test_what_rounding_lets_sizes_and_edges_differ_by_is_converted_with_them() -> None:

@@ -53,6 +53,11 @@ def test_the_first_number_that_differs_and_the_statistics() -> None:
     assert earliest.bits == earliest.beyond
     assert earliest.bits is not None
     assert (earliest.bits.time, earliest.bits.column) == (1.5, "pressure")
+    other.columns["energy"][3] += 1e-9  # of one time, the first column
+    both = compare_tables(one, other)
+    assert both.bits == both.beyond
+    assert both.bits is not None
+    assert (both.bits.time, both.bits.column) == (1.5, "energy")
     shifted = compare_tables(one, table(3, shift=0.8))
     assert shifted.classed == "different_statistics"
     assert "pressure" in shifted.sentence

@@ -255,6 +255,27 @@ def test_what_the_files_leave_open_is_said_with_their_names() -> None:
     assert compare_trajectories(one, two).remarks == ("one: it is red.", "two: x.")
 
 
+def test_masses_that_one_file_has_rounded_are_the_same_set_up() -> None:
+    exact = replace(trajectory(scene(), base(), "one"), masses=np.full(NUMBER, 1.1))
+    single = replace(trajectory(scene(), base(), "two", "float32"), masses=np.full(NUMBER, float(np.float32(1.1))))
+    for both in ((exact, single), (single, exact)):
+        assert compare_trajectories(*both).classed == "same_within_rounding"
+
+
+def test_particles_around_the_place_where_runs_part_are_those_of_both() -> None:
+    arrays = run(scene(), 0.0025)
+    place = compared(arrays).neighbourhood
+    assert place is not None
+    rows = np.array(place.ids) - 1
+    apart = arrays["positions"][place.pair, rows] - base()["positions"][place.pair, rows]
+    assert np.abs(place.second - place.first - apart).max() < 1e-12
+    assert place.ids[0] == place.particle
+    assert np.abs(place.first[0]).max() == 0.0
+    distances = np.linalg.norm(place.first, axis=1)
+    assert (np.diff(distances) >= 0).all()
+    assert distances[1] > 0.7
+
+
 def test_a_tolerance_is_a_distance() -> None:
     one = trajectory(scene(), base(), "one")
     moved = dict(base())
