@@ -47,7 +47,7 @@ def _judge(trial: Trial) -> Judged:
         tuple(
             Series(f"{name}, {trial.planned.label}", list(found.steps[:-1]), list(values))
             for name, values in (("positions", found.changes), ("energy", found.energies))
-            if values
+            if any(values)
         ),
     )  # fmt: skip
     until = f"until t = {found.until:g} of {trial.scene.duration:g}"
