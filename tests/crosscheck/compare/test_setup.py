@@ -96,6 +96,8 @@ def test_edges_that_a_file_has_rounded_or_left_out_are_no_difference() -> None:
     thin = Box(np.diag([5.0, 5.0, 0.1]), np.zeros(3), np.ones(3, dtype=bool))
     none = Box(np.diag([5.0, 5.0, 0.0]), np.zeros(3), np.array([True, True, False]))
     assert different_setup(frame(positions=plane, box=thin), frame(positions=plane, box=none), ROUNDING) == []
+    thick = thin._replace(vectors=np.diag([5.0, 5.0, 0.2]))
+    assert different_setup(frame(positions=plane, box=thin), frame(positions=plane, box=thick), ROUNDING) == []
     alone = [
         Frame(0.0, None, np.array([1]), np.array([[1.0, 2.0, 0.0]]), box=box._replace(vectors=5 * np.eye(3)))
         for box in (thin, none)
