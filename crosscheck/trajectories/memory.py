@@ -27,7 +27,7 @@ class InMemory(Source):
     """A trajectory whose arrays are in memory, as `in_memory` makes it.
 
     path, format, times, steps, wrapping, units, rounding, remarks: as of `Source`. ids: (N,). positions: (S, N, 3),
-    length. velocities: (S, N, 3), length/time. types, masses: (N,). box: of all frames.
+    length. velocities: (S, N, 3), length/time. types, masses, diameters: (N,). box: of all frames.
     """
 
     ids: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
