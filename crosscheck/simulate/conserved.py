@@ -157,9 +157,9 @@ def turns(scene: Scene, method: Method) -> tuple[Floats, Floats] | str:
         return "box.cylinder.friction"
     along = [axis for axis in range(3) if axis not in scene.across]
     for axis in closed:  # along the axis a smooth wall or the next image turn nothing
-        face = next((one for one in scene.faces[2 * axis : 2 * axis + 2] if one is not None), None)
-        if face is not None and (face.friction is not None or face.temperature is not None):
-            return "box.faces"
+        for face in scene.faces[2 * axis : 2 * axis + 2]:
+            if face is not None and (face.friction is not None or face.temperature is not None):
+                return "box.faces"
     lengths = scene.lengths()
     assert lengths is not None
     middle = np.zeros(3)

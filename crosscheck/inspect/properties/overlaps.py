@@ -111,13 +111,12 @@ def _of(pairs: Pairs, chosen: NDArray[np.bool_]) -> Pairs:
 def _begin(setting: Setting) -> Collector | str:
     if len(setting.first.ids) < 2:
         return "there is one particle"
-    reach = _DENSEST * setting.spacing
     if setting.hard and setting.diameters is not None:
         reach = 1.01 * float(setting.diameters.max())
         if reach == 0:
             return "all diameters are 0"
-    if setting.hard and reach > largest_reach(setting.first):
-        return "the box is smaller than two diameters: a particle is near several images of another"
+        if reach > largest_reach(setting.first):
+            return "the box is smaller than two diameters: a particle is near several images of another"
     return _Overlaps(setting)
 
 

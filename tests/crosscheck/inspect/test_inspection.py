@@ -129,6 +129,14 @@ def test_the_same_file_gives_the_same_numbers() -> None:
     ]
 
 
+def test_how_many_frames_were_looked_at_is_told() -> None:
+    positions = np.array(flying().positions)
+    positions[7, 3] = np.inf
+    for source, told_of in ((flying(), "60 of 60 frames"), (flying(positions=positions), "7 of 60 frames")):
+        (one,) = (one for one in inspect_trajectory(source).found if one.property.name == "frames")
+        assert told_of in " ".join(one.told.said)
+
+
 @pytest.mark.parametrize("seed", [12, 26])
 def test_a_crystal_whose_waves_keep_their_energies_is_not_red(seed: int) -> None:
     """By the scatter from frame to frame, the fourth moments of these are nine standard errors off."""

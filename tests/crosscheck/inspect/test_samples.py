@@ -53,6 +53,8 @@ def test_waves_of_a_crystal_may_keep_their_energies() -> None:
     crystal = PLANTED.source_of(PLANTED.harmonic_crystal(1, frames=60, edge=3))
     gas = PLANTED.source_of(PLANTED.ornstein_uhlenbeck(1, frames=60))
     assert [samples(crystal).waves, samples(crystal, "nvt").waves, samples(gas).waves] == [True, False, False]
+    wrapped = PLANTED.source_of(PLANTED.wrapped(PLANTED.harmonic_crystal(1, frames=60, edge=3)))
+    assert samples(wrapped).waves  # particles that move about a face of the box
     found = samples(crystal)
     assert found.doubt(0.04, 1e-3)[0] == pytest.approx(3.29 * 0.2, rel=1e-3)
     assert found.independent(np.random.default_rng(1).normal(size=60)) == 1.0

@@ -11,7 +11,7 @@ from hard_disks import disks
 from inspected import flying
 
 from crosscheck.errors import UsageError
-from crosscheck.inspect.setting import Options, setting_of
+from crosscheck.inspect.setting import Options, box_of, setting_of
 from crosscheck.scene import (
     Box,
     Cylinder,
@@ -97,6 +97,11 @@ def test_the_scene_says_along_which_axes_a_box_is_periodic_where_the_file_does_n
     assert alone.periodic.tolist() == [True, True, False]
 
 
+def test_a_scene_without_a_box_has_none() -> None:
+    assert box_of(OSCILLATOR) is None
+    assert setting_of(flying(number=1, box=None), OSCILLATOR, Options()).box is None
+
+
 def test_kelvin_needs_masses() -> None:
     source = replace(flying(masses=None), units=Units("nm", "ps", "nm/ps"))
     with pytest.raises(UsageError, match="states no masses: give --mass TYPE=MASS"):
@@ -105,7 +110,7 @@ def test_kelvin_needs_masses() -> None:
     assert given.temperature == pytest.approx(2.4943, rel=1e-4)
 
 
-@pytest.mark.parametrize("text", ["0", "-1", "hot", "300 C", "nan", "inf", "K", ""])
+@pytest.mark.parametrize("text", ["0", "-1", "1.2.3", "hot", "300 C", "nan", "inf", "K", ""])
 def test_temperatures_that_are_none(text: str) -> None:
     with pytest.raises(UsageError, match="give a number above 0"):
         setting_of(flying(), None, Options(temperature=text))

@@ -147,6 +147,17 @@ def test_what_turns():
     middle, kept = turns(space, EVENTS)
     assert np.array_equal(middle, [3, 3, 4.5])
     assert kept.tolist() == [0, 0, 1]
+    for side in ("z-", "z+"):
+        floor = space.changed(
+            hard_spheres=GRAINS,
+            box=Box(
+                lengths=(6.0, 6.0, 9.0),
+                boundaries=("open", "open", "hard"),
+                cylinder=Cylinder(radius=3.0, axis="z"),
+                faces={side: Face(friction=ROUGH)},
+            ),
+        )
+        assert turns(floor, EVENTS) == "box.faces"
 
 
 def test_what_has_a_potential():

@@ -41,6 +41,16 @@ def test_digits_of_the_file_are_let_through(gap: float, outcome: str) -> None:
     assert judged(lattice(gap, rounding=rounding), NAME, hard=True)[0].outcome == outcome
 
 
+def test_digits_of_the_diameters_are_let_through_and_a_scene_has_all_of_its_own() -> None:
+    source = lattice(-1e-5)
+    source.rounding["diameters"] = Rounding(0.5e-4, 0.0, "4 decimals")
+    assert judged(source, NAME, hard=True)[0].outcome == "pass"
+    x = np.array([[1.0, 1.0, 0.0], [1.0 + 1 - 1e-5, 1.0, 0.0], [4.0, 4.0, 0.0]])
+    plane = flying(frames=4, number=3, positions=np.broadcast_to(x, (4, 3, 3)), velocities=None, box=None)
+    plane.rounding["diameters"] = Rounding(0.5e-4, 0.0, "4 decimals")
+    assert judged(plane, NAME, disks(box=Box(lengths=(6.0, 5.0))))[0].outcome == "fail"
+
+
 def test_images_in_an_unwrapped_file() -> None:
     x = np.array(lattice(-1e-6).positions)
     x[:, 5:] += np.array([10.0, -5.0, 25.0])

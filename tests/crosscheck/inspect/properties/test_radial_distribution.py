@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from inspected import cube, flying, judged, of_property, said
 
+from crosscheck.inspect.properties.radial_distribution import _RadialDistribution
+from crosscheck.inspect.setting import Options, setting_of
 from crosscheck.trajectories.frames import Box, Frame
 from crosscheck.trajectories.memory import InMemory
 
@@ -74,6 +76,16 @@ def test_boxes_that_change(change: float, left_out: str) -> None:
     text = said(_Breathing(**vars(scattered(1, frames=40)), change=change), NAME, skip=0.0)
     assert ("left out" in text) == bool(left_out)
     assert left_out in text
+
+
+def test_the_line_through_the_tail_is_told_at_its_ends() -> None:
+    """Weights of a line: of any straight g(r) they give its values where the tail begins and ends."""
+    setting = setting_of(scattered(1, number=1500), None, Options(homogeneous=True))
+    tail = _RadialDistribution(setting, 2.4)
+    begin, end = tail._line()
+    middle = (tail._edges[1:] + tail._edges[:-1]) / 2
+    straight = 0.8 + 0.3 * middle
+    assert (begin @ straight, end @ straight) == pytest.approx((0.8 + 0.3 * 0.7 * 2.4, 0.8 + 0.3 * 2.4))
 
 
 def test_the_first_peak_is_told() -> None:

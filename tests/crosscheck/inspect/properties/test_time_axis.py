@@ -38,6 +38,17 @@ def test_decimals_that_are_few_count_as_rounding() -> None:
     assert outcomes(np.round(np.arange(100) * 0.123, 2)) == {}
 
 
+def test_the_interval_of_the_scene() -> None:
+    lattice = Lattice(kind="lattice", structure="sc", number=27, temperature=1.0, seed=1)
+    scene = Scene(name="s", dimension=3, duration=10.0, box=Box(density=0.5), initial=lattice,
+        lennard_jones=LennardJones(cutoff=1.5), output=Output(interval=0.5))  # fmt: skip
+    for factor, outcome in ((1.0, "pass"), (1.001, "fail")):
+        found = judged(flying(frames=40, number=27, times=factor * TIMES), NAME, scene)
+        (one,) = (one for one in found if one.quantity == "interval of frames")
+        assert (one.outcome, one.expected) == (outcome, 0.5)
+        assert one.measured == pytest.approx(0.5 * factor)
+
+
 def test_a_frame_out_of_order() -> None:
     times = TIMES.copy()
     times[[20, 21]] = times[[21, 20]]

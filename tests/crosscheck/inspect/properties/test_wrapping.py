@@ -62,6 +62,7 @@ def test_an_image_flag_that_is_wrong_once_or_from_some_frame_on(axis: int) -> No
         (one,) = judged(flying(frames=200, positions=x, velocities=None), NAME)
         assert f"along {'xyz'[axis]} to frame 80" in one.note
         assert "particle 5 moves" in one.note
+        assert one.measured == (1 if frames.stop is None else 2)  # there, and back
 
 
 def test_wrapped_positions_in_a_file_that_says_it_is_not() -> None:

@@ -284,6 +284,43 @@ def test_a_kick_in_mid_run_is_seen_by_what_is_conserved(tmp_path, pool):
     assert set(outcomes(found, "fail")) >= {"momentum", "angular-momentum"}
 
 
+BEADS = scene(
+    "beads",
+    dimension=3,
+    duration=4.0,
+    hard_spheres=HardSpheres(diameter=2.0),
+    box=Box(lengths=(12.0,) * 3),
+    initial=Explicit(
+        positions=((2.0, 6.0, 6.0), (5.0, 6.3, 6.0), (8.5, 6.0, 5.8)),
+        velocities=((1.0, 0.0, 0.0), (-0.4, 0.1, 0.0), (-0.7, 0.0, 0.1)),
+    ),
+    output=Output(interval=0.5, observables=("kinetic_energy", "collisions")),
+    method=Method(scheme="collisions_direct", dt=1 / 256),
+)
+HARDER = """
+from crosscheck.engines.rebound.engine import ReboundEngine
+
+class Harder(ReboundEngine):
+    name = "harder"
+
+    def run(self, scene, method):
+        run = super().run(scene, method)
+        for name in ("velocities", "final_velocities"):
+            if name in run:
+                changed = run[name] != scene.own_start().velocities
+                run[name] = run[name] * (1 + 1e-9 * changed)
+        return run
+"""
+
+
+def test_a_search_for_collisions_is_audited_from_sample_to_sample(tmp_path, pool):
+    right = verdicts(pool, BEADS, ["rebound"])
+    assert not outcomes(right, "fail", "error", "inconclusive")
+    assert right["audit"].findings is not None
+    (tmp_path / "harder.py").write_text(HARDER)
+    assert "audit" in outcomes(verdicts(pool, BEADS, [f"{tmp_path}/harder.py:Harder"]), "fail")
+
+
 # -- the judge itself --------------------------------------------------------------------------------------------------
 
 
