@@ -143,3 +143,23 @@ def test_a_crystal_whose_waves_keep_their_energies_is_not_red(seed: int) -> None
     inspection = inspect_trajectory(PLANTED.source_of(PLANTED.harmonic_crystal(seed)))
     assert red(inspection) == set()
     assert max(one.sigmas for one in told(inspection, "Maxwell's distribution") if one.uncertainty) > 6
+
+
+@pytest.mark.parametrize("made", [PLANTED.ornstein_uhlenbeck, PLANTED.normals, PLANTED.harmonic_crystal])
+def test_units_do_not_matter(made: Any) -> None:
+    """Atoms in metres, seconds and kilograms, by powers of two: the same judgements, to the last digits."""
+    length, time, mass = 2.0**-33, 2.0**-40, 2.0**-86
+    run = made(2, 60)
+    small = run._replace(
+        times=run.times * time,
+        positions=run.positions * length,
+        velocities=run.velocities * length / time,
+        masses=run.masses * mass,
+        sides=run.sides * length,
+        temperature=None if run.temperature is None else run.temperature * mass * (length / time) ** 2,
+    )
+    for how in ("nothing", "ensemble"):
+        here, there = (PLANTED.inspected(one, how).judgements for one in (run, small))
+        assert [(one.quantity, one.outcome) for one in here] == [(one.quantity, one.outcome) for one in there]
+        for one, other in zip(here, there, strict=True):
+            assert one.deviation == pytest.approx(other.deviation, rel=1e-6, abs=1e-9), one.quantity

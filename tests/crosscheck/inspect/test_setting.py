@@ -97,6 +97,13 @@ def test_the_scene_says_along_which_axes_a_box_is_periodic_where_the_file_does_n
     assert alone.periodic.tolist() == [True, True, False]
 
 
+def test_steps_from_the_first_frame() -> None:
+    counted = setting_of(flying(steps=50 + 10 * np.arange(60)), None, Options())
+    assert [counted.steps_to(index) for index in (0, 1, 7)] == [1, 10, 70]
+    for source in (flying(), flying(steps=np.zeros(60, dtype=np.int64))):
+        assert setting_of(source, None, Options()).steps_to(7) == 7000
+
+
 def test_a_scene_without_a_box_has_none() -> None:
     assert box_of(OSCILLATOR) is None
     assert setting_of(flying(number=1, box=None), OSCILLATOR, Options()).box is None

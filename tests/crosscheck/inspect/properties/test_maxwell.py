@@ -92,6 +92,12 @@ def test_speeds_are_drawn_beside_maxwells() -> None:
     np.testing.assert_allclose(bars.y, np.interp(middle, curve.x, curve.y), atol=0.08)
 
 
+def test_constraints_are_a_doubt_of_the_moments() -> None:
+    free, bound = (judged(drawn(1, 300, 50), NAME, ensemble="nvt", constraints=number) for number in (0, 5))
+    assert [one.doubt for one in free if "^4" in one.quantity] == [0.0] * 3
+    assert [one.doubt for one in bound] == pytest.approx([3 * 5 / 49] * 3)
+
+
 def test_few_counts_are_not_judged() -> None:
     text = said(drawn(1, 6, 10), NAME)
     assert "the histogram of v_x is not judged: 5 independent frames" in text or "independent frames" in text

@@ -58,6 +58,12 @@ def test_it_is_told_and_not_judged_where_nothing_says_that_it_is_conserved() -> 
     assert "[box.boundaries=hard] takes momentum" in said(source, NAME, scene)
 
 
+def test_what_is_told_is_a_share_of_all_momenta() -> None:
+    v = kicked(0.5)
+    share = 0.5 / np.abs(v[..., 1]).sum(axis=1).max()
+    assert f"along y changes by {share:.2e}" in said(flying(velocities=v), NAME)
+
+
 def test_masses_are_needed() -> None:
     assert "states no masses" in said(flying(masses=None, types=np.array([1, 2] * 10)), NAME)
     assert "no velocities" in said(flying(velocities=None), NAME)
