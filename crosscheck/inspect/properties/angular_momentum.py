@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.inspect.property import Collector, Property, Told
-from crosscheck.inspect.rounding import bound_of_sum
+from crosscheck.inspect.rounding import bound_of_sum, furthest
 from crosscheck.inspect.schemes import not_symplectic
 from crosscheck.inspect.setting import Setting
 from crosscheck.inspect.view import View
 from crosscheck.trajectories.frames import Floats
-from crosscheck.verdict import within
 
 
 class _AngularMomentum(Collector):
@@ -50,21 +49,11 @@ class _AngularMomentum(Collector):
         # positions and velocities both round once a step
         walk = setting.epsilon * bound_of_sum(np.sqrt(2 * steps * max(self._squares))[None])
         allowed = np.hypot(file, file[0]) + walk
-        at = int(np.argmax(change / np.where(allowed > 0, allowed, 1.0)))
         why = (
             "rounding of the file, and of each particle's position and velocity a step, independent of each other: "
             "what their sum exceeds with the probability 1e-9 (Hoeffding)"
         )
-        judged = within(
-            "round_off",
-            "change of the angular momentum, over the sum of m r v",
-            float(change[at]) / size,
-            0.0,
-            float(allowed[at]) / size or 1.0,
-            why,
-            note=f"in frame {at} (counted from 0)" if at else "",
-        )
-        return Told((judged,))
+        return Told((furthest("change of the angular momentum, over the sum of m r v", change, allowed, size, why),))
 
 
 def _begin(setting: Setting) -> Collector | str:

@@ -11,14 +11,14 @@ from crosscheck.inspect.curves import in_time
 from crosscheck.inspect.outliers import of_deviations
 from crosscheck.inspect.potential import Potential, potential_of
 from crosscheck.inspect.property import Collector, Property, Told, none_of
-from crosscheck.inspect.rounding import bound_of_sum
+from crosscheck.inspect.rounding import bound_of_sum, furthest
 from crosscheck.inspect.schemes import not_symplectic
 from crosscheck.inspect.setting import FEWEST, Setting
 from crosscheck.inspect.view import View
 from crosscheck.references.lennard_jones import cut_diffusion
 from crosscheck.statistics import correlated_mean
 from crosscheck.trajectories.frames import Floats
-from crosscheck.verdict import Judgement, by_chance, statistical, within
+from crosscheck.verdict import Judgement, by_chance, statistical
 
 #: Frames to either side whose medians tell a step of the energy, of which single frames may be far off.
 _AROUND = 8
@@ -92,20 +92,11 @@ class _Energy(Collector):
         allowed = np.hypot(file, file[0]) + self._of_arithmetic()
         if self._potentials and self._setting.scene is not None and self._setting.scene.acceleration is not None:
             allowed = allowed + 2 * self._in_field()
-        at = int(np.argmax(np.abs(change) / np.where(allowed > 0, allowed, 1.0)))
         why = (
             f"rounding of the file, what a sum exceeds with the probability 1e-9 (Hoeffding); and {_ROUNDINGS} of each "
             "particle's energy whenever its velocity changes: a step, or 1000 times a frame"
         )
-        return within(
-            "round_off",
-            "change of the energy, over the kinetic energy",
-            float(change[at]) / scale,
-            0.0,
-            float(allowed[at]) / scale or 1.0,
-            why,
-            note=f"in frame {at} (counted from 0)" if at else "",
-        )
+        return furthest("change of the energy, over the kinetic energy", change, allowed, scale, why)
 
     def _in_field(self) -> float:
         """Rounding of the potential energy in a uniform field, from the positions of the first frame."""

@@ -7,12 +7,12 @@ import numpy as np
 from crosscheck.figure import Figure
 from crosscheck.inspect.curves import in_time
 from crosscheck.inspect.property import Collector, Property, Told
-from crosscheck.inspect.rounding import bound_of_sum
+from crosscheck.inspect.rounding import bound_of_sum, furthest
 from crosscheck.inspect.setting import Setting
 from crosscheck.inspect.view import View
 from crosscheck.scene import AXES
 from crosscheck.trajectories.frames import Floats
-from crosscheck.verdict import Judgement, within
+from crosscheck.verdict import Judgement
 
 
 class _Momentum(Collector):
@@ -69,20 +69,12 @@ class _Momentum(Collector):
         squares = np.array([one[column] for one in self._squares]).max()
         steps = np.array([setting.steps_to(index) for index in range(len(change))])
         allowed = np.hypot(file, file[0]) + setting.epsilon * bound_of_sum(np.sqrt(steps * squares)[None])
-        at = int(np.argmax(np.abs(change) / np.where(allowed > 0, allowed, 1.0)))
         why = (
             "rounding of the file's velocities and masses, and one of each particle's momentum a step, independent of "
             "each other: what their sum exceeds with the probability 1e-9 (Hoeffding)"
         )
-        return within(
-            "round_off",
-            f"change of the momentum along {name}, over the sum of m |v_{name}|",
-            float(change[at]) / size,
-            0.0,
-            float(allowed[at]) / size or 1.0,
-            why,
-            note=f"in frame {at} (counted from 0)" if at else "",
-        )
+        quantity = f"change of the momentum along {name}, over the sum of m |v_{name}|"
+        return furthest(quantity, change, allowed, size, why)
 
 
 def _begin(setting: Setting) -> Collector | str:

@@ -7,8 +7,7 @@ from dataclasses import replace
 from crosscheck.engines.registry import engine_class
 from crosscheck.references.soft_grains import audit
 from crosscheck.scene.observables import named
-from crosscheck.simulate.judging.audits.pieces import from_start_and_end, with_output
-from crosscheck.simulate.judging.recording import with_observables
+from crosscheck.simulate.judging.audits.pieces import step_by_step
 from crosscheck.simulate.judging.trial import Extra, Trial
 from crosscheck.verdict import Judged, bounded, round_off, worst
 
@@ -32,15 +31,8 @@ def _steps(trial: Trial) -> int:
 
 
 def _pieces(trial: Trial) -> list[tuple[str, Extra]]:
-    dt, steps = trial.method.step, _steps(trial)
-    found = []
-    for where, scene in from_start_and_end(trial):
-        piece = with_output(scene, trial.method, steps * dt, interval=dt)
-        names = ("trajectory", *named("hard_spheres"), "kinetic_energy", "potential_energy")
-        output = with_observables(trial.planned.engine, piece, trial.method, piece.output, names)
-        piece = piece.model_copy(update={"output": output})
-        found.append((where, Extra(f"the audit of steps {where}", piece, trial.method, trial.seconds(steps * dt))))
-    return found
+    names = ("trajectory", *named("hard_spheres"), "kinetic_energy", "potential_energy")
+    return step_by_step(trial, _steps(trial), names)
 
 
 def extras(trial: Trial) -> list[Extra]:

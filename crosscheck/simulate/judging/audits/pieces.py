@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from crosscheck.engines.protocol import Run
 from crosscheck.errors import UsageError
 from crosscheck.scene import Method, Scene, explicit
-from crosscheck.simulate.judging.trial import Trial
+from crosscheck.simulate.judging.recording import with_observables
+from crosscheck.simulate.judging.trial import Extra, Trial
 
 
 def from_start_and_end(trial: Trial) -> list[tuple[str, Scene]]:
@@ -18,6 +20,24 @@ def from_start_and_end(trial: Trial) -> list[tuple[str, Scene]]:
     found = [("from the start", trial.scene)]
     end = None if trial.broken else from_end_of(trial, trial.run, trial.end)
     return found if end is None else [*found, ("from the end", end)]
+
+
+def step_by_step(trial: Trial, steps: int, names: Iterable[str], *, forces: bool = False) -> list[tuple[str, Extra]]:
+    """Runs of so many steps that record all of them, from the start and from the end; in words, where each begins.
+
+    trial: the run. steps: number of them. names: of what is recorded, as far as the engine measures it. forces: record
+    forces too, if the engine can.
+    """
+    dt, found = trial.method.step, []
+    for where, scene in from_start_and_end(trial):
+        piece = with_output(scene, trial.method, steps * dt, interval=dt)
+        with_forces = piece.model_copy(update={"output": piece.output.model_copy(update={"forces": True})})
+        if forces and trial.able(with_forces):
+            piece = with_forces
+        output = with_observables(trial.planned.engine, piece, trial.method, piece.output, names)
+        piece = piece.model_copy(update={"output": output})
+        found.append((where, Extra(f"the audit of steps {where}", piece, trial.method, trial.seconds(steps * dt))))
+    return found
 
 
 def from_end_of(trial: Trial, run: Run, time: float) -> Scene | None:

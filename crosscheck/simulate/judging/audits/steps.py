@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from crosscheck.checks.stepping.audit import ENERGIES, Expected, Ledger, audit_samples, audit_steps, has_recurrence
 from crosscheck.engines.protocol import Run
-from crosscheck.simulate.judging.audits.pieces import from_start_and_end, with_output
-from crosscheck.simulate.judging.recording import with_observables
+from crosscheck.simulate.judging.audits.pieces import step_by_step
 from crosscheck.simulate.judging.trial import Extra, Trial
 from crosscheck.verdict import Judged, worst
 
@@ -28,16 +27,7 @@ def _steps(trial: Trial) -> int:
 
 
 def _pieces(trial: Trial) -> list[tuple[str, Extra]]:
-    dt, steps = trial.method.step, _steps(trial)
-    found = []
-    for where, scene in from_start_and_end(trial):
-        piece = with_output(scene, trial.method, steps * dt, interval=dt)
-        forces = piece.model_copy(update={"output": piece.output.model_copy(update={"forces": True})})
-        piece = forces if trial.able(forces) else piece
-        output = with_observables(trial.planned.engine, piece, trial.method, piece.output, ("trajectory", *ENERGIES))
-        piece = piece.model_copy(update={"output": output})
-        found.append((where, Extra(f"the audit of steps {where}", piece, trial.method, trial.seconds(steps * dt))))
-    return found
+    return step_by_step(trial, _steps(trial), ("trajectory", *ENERGIES), forces=True)
 
 
 def extras(trial: Trial) -> list[Extra]:
