@@ -35,6 +35,7 @@ from crosscheck.simulate.judging.ladder import (
     rounding_growth,
     twin_of,
 )
+from crosscheck.simulate.judging.law import none_there
 from crosscheck.simulate.judging.recording import in_steps, with_observables
 from crosscheck.simulate.judging.smoothness import jump
 from crosscheck.simulate.judging.trial import Extra, Trial
@@ -295,8 +296,7 @@ def _off(trial: Trial, beginning: _Beginning) -> Floats:
 
 def _unknown(reason: str) -> Judgement:
     why = "paths until chaos, means of what is stationary"
-    judged = bounded("samples at which the runs can be compared", 0.0, 1.0, why, at_least=True, note=reason)
-    return replace(judged, outcome="inconclusive")
+    return none_there("samples at which the runs can be compared", why, note=reason)
 
 
 # -- means -------------------------------------------------------------------------------------------------------------

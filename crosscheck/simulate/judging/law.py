@@ -1,12 +1,21 @@
-"""What a law is: for which runs it holds, and how it is judged."""
+"""What a law is: for which runs it holds, and how it is judged; and what is said where there is nothing to judge."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from crosscheck.simulate.judging.trial import Extra, Trial
-from crosscheck.verdict import Judged
+from crosscheck.verdict import Judged, Judgement, bounded
+
+
+def none_there(quantity: str, why: str, *, number: float = 0.0, note: str = "") -> Judgement:
+    """The judgement that nothing is decided, for there is nothing of what would have to be looked at.
+
+    quantity: what there should be one of, at least. why: the reason why it takes one. number: of them. note: what
+    kept them away.
+    """
+    return replace(bounded(quantity, number, 1.0, why, at_least=True, note=note), outcome="inconclusive")
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from crosscheck.engines.registry import engine_class
 from crosscheck.references.soft_grains import audit
 from crosscheck.scene.observables import named
 from crosscheck.simulate.judging.audits.pieces import step_by_step
+from crosscheck.simulate.judging.law import none_there
 from crosscheck.simulate.judging.trial import Extra, Trial
-from crosscheck.verdict import Judged, bounded, round_off, worst
+from crosscheck.verdict import Judged, round_off, worst
 
 #: The scheme whose steps are known, particles at most, pairs in all steps, and steps at most.
 _SCHEME, MOST, _PAIRS, _MOST_STEPS = "velocity_verlet", 500, 4_000_000, 400
@@ -54,6 +53,5 @@ def judge(trial: Trial) -> Judged:
         judged.append(round_off(f"{where}: largest error over its rounding", largest.share, 1.0, _WHY, note=note))
     note = f"{_steps(trial)} steps from each, {touched} contacts or more"
     if not touched:
-        none = bounded("contacts", 0.0, 1.0, "what does not happen is not judged", at_least=True)
-        judged.append(replace(none, outcome="inconclusive"))
+        judged.append(none_there("contacts", "what does not happen is not judged"))
     return worst(judged, note)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +19,10 @@ from crosscheck.references.event_audit import KINDS, Audit, audit
 from crosscheck.scene import Scene
 from crosscheck.scene.observables import named
 from crosscheck.simulate.judging.audits.pieces import from_end_of, from_start_and_end, with_output
+from crosscheck.simulate.judging.law import none_there
 from crosscheck.simulate.judging.recording import with_observables
 from crosscheck.simulate.judging.trial import Extra, Trial
-from crosscheck.verdict import Judged, bounded, round_off, worst
+from crosscheck.verdict import Judged, round_off, worst
 
 #: Events of a piece at most; particles times events; and samples.
 MOST_EVENTS, MOST_STATES, SAMPLES = 1500, 1_000_000, 8
@@ -107,8 +107,7 @@ def judge(trial: Trial) -> Judged:
             round_off("samples and sums: largest error, in its rounding", sums[kind], 1.0, _OF_SUMS, note=note)
         )
     if not total.events and _number(trial) > 1:  # of a whole run it is known that there is none
-        none = bounded("events that were audited", 0.0, 1.0, "what has no events judges nothing", at_least=True)
-        judged.append(replace(none, outcome="inconclusive"))
+        judged.append(none_there("events that were audited", "what has no events judges nothing"))
     if _contact_duration(trial.scene) is not None:
         parts.append(f"{soon or 'none'} of them within contact_duration of the one before")
     return worst(judged, "; ".join(parts))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from crosscheck.engines.registry import engine_class
 from crosscheck.references import EPSILON
 from crosscheck.references.collision_steps import Spheres, after_steps
 from crosscheck.simulate.judging.audits.pieces import from_start_and_end, with_output
+from crosscheck.simulate.judging.law import none_there
 from crosscheck.simulate.judging.trial import Extra, Trial
-from crosscheck.verdict import Judged, bounded, round_off, worst
+from crosscheck.verdict import Judged, round_off, worst
 
 #: Steps between samples, pairs in all steps, samples at most, and roundings of a coordinate from one to the next.
 _EVERY, _PAIRS, _MOST, _ROUNDINGS = 8, 2_000_000, 250, 64
@@ -78,9 +77,7 @@ def judge(trial: Trial) -> Judged:
         round_off("velocities, in units of their rounding", fast, 1.0, _WHY),
     ]
     if not impulses or not judged:
-        none = bounded(
-            "impulses that were audited", float(impulses), 1.0, "what does not happen is not judged", at_least=True
-        )
-        found.append(replace(none, outcome="inconclusive"))
+        why = "what does not happen is not judged"
+        found.append(none_there("impulses that were audited", why, number=float(impulses)))
     note = f"{judged} times {_EVERY} steps, {impulses} impulses"
     return worst(found, note + (f"; {crowded} with three spheres together left out" if crowded else ""))

@@ -14,7 +14,7 @@ from crosscheck.references import EPSILON
 from crosscheck.scene import Method
 from crosscheck.simulate import conserved
 from crosscheck.simulate.judging.ladder import continuous_energy, energy_of, first_extras, is_cut, ladder, recorded
-from crosscheck.simulate.judging.law import Law
+from crosscheck.simulate.judging.law import Law, none_there
 from crosscheck.simulate.judging.recording import in_steps
 from crosscheck.simulate.judging.rounding import of_forces
 from crosscheck.simulate.judging.smoothness import claimed_order, jump, late_kicks
@@ -217,10 +217,7 @@ def _not_yet(judged: Judgement) -> Judgement:
 
 
 def _unknown(reason: str) -> Judged:
-    judged = bounded(
-        "runs whose energy could be judged", 0.0, 1.0, "the law holds for the scene", at_least=True, note=reason
-    )
-    return replace(judged, outcome="inconclusive")
+    return none_there("runs whose energy could be judged", "the law holds for the scene", note=reason)
 
 
 def _extra(trial: Trial) -> Iterable[Extra]:

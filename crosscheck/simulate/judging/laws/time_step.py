@@ -8,7 +8,7 @@ from dataclasses import replace
 from crosscheck.convergence import ORDER_TOLERANCE
 from crosscheck.figure import Figure, Series
 from crosscheck.simulate.judging.ladder import ABOVE, LINEAR, Ladder, first_extras, ladder
-from crosscheck.simulate.judging.law import Law
+from crosscheck.simulate.judging.law import Law, none_there
 from crosscheck.simulate.judging.smoothness import claimed_order, jump
 from crosscheck.simulate.judging.trial import Extra, Trial
 from crosscheck.verdict import Judged, Judgement, bounded, round_off, worst
@@ -36,7 +36,7 @@ def _judge(trial: Trial) -> Judged:
     found = ladder(trial)
     if found is None:
         why = "the states of the beginning are compared"
-        return replace(bounded("beginnings that can be compared", 0.0, 1.0, why, at_least=True), outcome="inconclusive")
+        return none_there("beginnings that can be compared", why)
     judged = [_converged("positions", found, found.changes, trial)]
     if found.energies:
         judged.append(_converged("energy", found, found.energies, trial))
