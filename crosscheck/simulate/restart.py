@@ -14,6 +14,7 @@ from crosscheck.engines.soft_spheres import resolved
 from crosscheck.engines.workers.states import HEADER
 from crosscheck.errors import UsageError
 from crosscheck.scene import Method, Scene
+from crosscheck.trajectories.frames import first_line
 
 #: What the header says that the file is, and the version of its layout.
 FORMAT, VERSION = "crosscheck restart", 1
@@ -60,17 +61,13 @@ def read_restart(path: Path) -> Restart:
         if not isinstance(header, dict) or header.get("format") != FORMAT:
             raise ValueError(f"its {HEADER} does not say that it is one")
     except (OSError, ValueError, KeyError, EOFError, RecursionError, NotImplementedError, zipfile.BadZipFile) as error:
-        raise UsageError(f"{path}: not a whole restart file ({_first_line(error)})") from None
+        raise UsageError(f"{path}: not a whole restart file ({first_line(error)})") from None
     if header.get("version") != VERSION:
         raise UsageError(f"{path}: its layout has the version {header.get('version')!r}, this program reads {VERSION}")
     for name, kind in _ENTRIES.items():
         if not isinstance(header.get(name), kind):
             raise UsageError(f"{path}: {HEADER}: '{name}' is missing or of another type")
     return Restart(path, **{name: header[name] for name in Restart.__dataclass_fields__ if name != "path"})
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]
 
 
 def going_on(restart: Restart, scene: Scene, method: Method, engines: Sequence[str]) -> Scene:
