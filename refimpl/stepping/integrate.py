@@ -16,26 +16,33 @@ from typing import Any
 import numpy as np
 from numba.extending import overload
 
-from refimpl.compilation import compiled
+from refimpl.compilation import INTERPRETED, compiled
 from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
     NEEDS_CAPACITY,
     Force,
     accelerate,
+    bodies_in_registers,
     energy_and_virial,
     enlarge,
+    in_registers,
     kinetic_energy,
     operations,
     periods,
     renew,
     status,
 )
+from refimpl.stepping.kernels.registers import from_array, to_array, tuple_from_arrays, tuple_to_arrays
 from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
 
 #: Coordinates further from the origin than so many periods are brought back, looked for after every STRIDE steps.
 FAR_OUT = 2.0**12
 STRIDE = 2**10
+
+
+#: Steps between two samples from which on few coordinates are kept in registers, by a loop compiled for their number.
+MANY_STEPS = 1_000_000
 
 
 def step(self: Any, force: Force, r: np.ndarray, v: np.ndarray, memory: Memory, dt: float) -> StepResult:
@@ -79,6 +86,43 @@ def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # t
                     return (r, v, memory), number - 1, NEEDS_CAPACITY
         r, v, memory = r_new, v_new, memory_new
     return (r, v, memory), last, GOOD
+
+
+@compiled(cache=True)
+def _advance_in_registers(scheme, force, state, axes, bodies, dt, steps):  # type: ignore[no-untyped-def]
+    """As `_advance`, of `steps` steps without a sample; axes, bodies: tuples as long as there are any."""
+    r, v = from_array(state[0], axes, bodies), from_array(state[1], axes, bodies)
+    memory = tuple_from_arrays(state[2], axes, bodies)
+    few = in_registers(force, bodies)
+    done, outcome = 0, GOOD
+    while done < steps:
+        r_new, v_new, memory_new = step(scheme, few, r, v, memory, dt)
+        outcome = status(few)
+        if outcome != GOOD:
+            break
+        r, v, memory = r_new, v_new, memory_new
+        done += 1
+    to_array(r, state[0])
+    to_array(v, state[1])
+    tuple_to_arrays(memory, state[2])
+    return done, outcome
+
+
+def _few(force: Force, r: np.ndarray, memory: Memory) -> int:
+    """Number of bodies, if the coordinates `r` and what a scheme remembers of them fit into registers; else 0."""
+    if INTERPRETED or any(part.shape != r.shape for part in memory):
+        return 0
+    return bodies_in_registers(force, r.size)
+
+
+def _advance_few(
+    scheme: Any, force: Force, state: StepResult, dt: float, bodies: int, steps: int
+) -> tuple[StepResult, int, int]:
+    """`_advance_in_registers` of a copy of the state; returns it, the number of good steps and the force's status."""
+    r, v, memory = state[0].copy(), state[1].copy(), tuple(part.copy() for part in state[2])
+    axes = r.size // bodies
+    done, outcome = _advance_in_registers(scheme, force, (r, v, memory), (0,) * axes, (0,) * bodies, dt, steps)
+    return (r, v, memory), done, outcome
 
 
 def acceleration(force: Force, r: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Force]:
@@ -242,15 +286,20 @@ def integrate(
             force = enlarge(force)
             energies[0] = thermo_now(force, r, v)
 
+    few = 0 if steps < MANY_STEPS or every < MANY_STEPS // 1000 else _few(force, r, memory)
     done = 0
     while outcome != DIVERGED and done < steps:
         before = done
         # counted from the very first start: pieces of a run must be cut where the whole one is
         stop = min(steps, done + STRIDE - (taken + done) % STRIDE) if away.possible else steps
         stop = stop if pace is None else min(stop, done + pace(done))
-        (r, v, memory), done, outcome = _advance(
-            record, force, (r, v, memory), dt, done, stop, every, (positions, velocities), energies
-        )
+        if few and (unsampled := min(stop, (done // every + 1) * every - 1) - done) > 0:
+            (r, v, memory), taken_in, outcome = _advance_few(record, force, (r, v, memory), dt, few, unsampled)
+            done += taken_in
+        if outcome == GOOD:
+            (r, v, memory), done, outcome = _advance(
+                record, force, (r, v, memory), dt, done, stop, every, (positions, velocities), energies
+            )
         recorded = slice(before // every + 1, done // every + 1) if trajectory else slice(0, 0)
         positions[recorded] = away.true(positions[recorded])
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)

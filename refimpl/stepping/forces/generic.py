@@ -70,6 +70,21 @@ def periods(force: Force) -> np.ndarray | None:
 
 
 @dispatched()
+def bodies_in_registers(force: Force, count: int) -> int:
+    """How many bodies `count` coordinates are, if `in_registers` takes them; 0 if it does not. From Python only."""
+    return 0
+
+
+@dispatched()
+def in_registers(force: Force, bodies: tuple[int, ...]) -> Force:
+    """The force on coordinates that are kept in registers (`kernels.registers`), with the same bits: in kernels only.
+
+    bodies: a tuple of the length that `bodies_in_registers` returned.
+    """
+    return force
+
+
+@dispatched()
 def operations(force: Force) -> dict[str, int]:
     """What was done so far, by name, of what is counted: `evaluations` of the accelerations that succeeded;
     `pair_tests`, distances of pairs computed by them; `list_builds` and `list_prunings`, and `list_tests`, distances

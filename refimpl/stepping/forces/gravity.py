@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -13,14 +13,19 @@ from refimpl.stepping.forces.generic import (
     DIVERGED,
     GOOD,
     accelerate,
+    bodies_in_registers,
     energy_and_virial,
+    in_registers,
     kinetic_energy,
     status,
 )
+from refimpl.stepping.kernels import few_bodies
 from refimpl.stepping.kernels import gravity as kernels
+from refimpl.stepping.kernels.registers import all_finite, from_array
 
-#: Up to about this many bodies the plain double loop, which copies nothing, is the faster one.
-FEW_BODIES = 10
+#: Up to so many bodies the plain double loop, which copies nothing, is as fast as the kernel for many; and a long run
+#: has them in registers, with the bits of the plain loop.
+FEW_BODIES = 16
 
 
 class Gravity(NamedTuple):
@@ -146,6 +151,41 @@ def _energy_and_virial(
 @implements(accelerate, Gravity)
 def _accelerate(force: Gravity, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     return _acceleration(r, force.mass, force.z, force.G, force.softening, force.outcome)
+
+
+class FewBodies(NamedTuple):
+    """A `Gravity` of bodies whose coordinates are in registers.
+
+    mass: of the bodies, as `registers.Coordinates`. z, G, softening, outcome: as there.
+    """
+
+    mass: Any
+    z: int | None
+    G: float
+    softening: float | None
+    outcome: np.ndarray
+
+
+@implements(bodies_in_registers, Gravity)
+def _bodies_in_registers(force: Gravity, count: int) -> int:
+    return force.mass.size if force.mass.size <= FEW_BODIES else 0
+
+
+@implements(in_registers, Gravity)
+def _in_registers(force: Gravity, bodies: tuple[int, ...]) -> FewBodies:
+    return FewBodies(from_array(force.mass, (0,), bodies), force.z, force.G, force.softening, force.outcome)
+
+
+@implements(accelerate, FewBodies)
+def _accelerate_in_registers(force: FewBodies, r: Any, v: Any) -> Any:
+    a = few_bodies.acceleration(r, force.mass, force.z, force.G, force.softening)
+    force.outcome[0] = GOOD if all_finite(a) else DIVERGED
+    return a
+
+
+@implements(status, FewBodies)
+def _status_in_registers(force: FewBodies) -> int:
+    return force.outcome[0]
 
 
 @implements(energy_and_virial, Gravity)

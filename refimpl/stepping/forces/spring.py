@@ -10,10 +10,12 @@ from numba.extending import register_jitable
 from refimpl.compilation import implements
 from refimpl.stepping.forces.generic import (
     accelerate,
+    bodies_in_registers,
     derivatives,
     energy_and_virial,
     kinetic_energy,
 )
+from refimpl.stepping.kernels.registers import MOST
 from refimpl.stepping.kernels.sums import sum_in_order, sum_of_squares
 
 
@@ -58,6 +60,11 @@ def _spring_acceleration(r: np.ndarray, v: np.ndarray, k: float, mass: Any, gamm
 @implements(accelerate, Spring)
 def _accelerate(force: Spring, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     return _spring_acceleration(r, v, force.k, force.mass, force.gamma)
+
+
+@implements(bodies_in_registers, Spring)
+def _bodies_in_registers(force: Spring, count: int) -> int:
+    return count if isinstance(force.mass, float) and count <= MOST else 0
 
 
 @implements(energy_and_virial, Spring)

@@ -26,6 +26,7 @@ from refimpl.stepping.forces.generic import (
     renew,
     status,
 )
+from refimpl.stepping.forces.gravity import gravity
 from refimpl.stepping.forces.spring import spring
 from refimpl.stepping.integrate import acceleration, integrate
 from refimpl.stepping.schemes import SCHEMES
@@ -320,3 +321,62 @@ def test_what_a_force_could_not_do_before_is_no_reason_to_enlarge_it(scheme: str
     run = integrate(scheme, force, R, V, 0.1, 0)
     assert run.force.state[SEEN] == evaluations
     assert run.force.state[ENLARGED] == 0
+
+
+def _cloud(bodies: int, dimension: int, softening: float | None) -> tuple[Any, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(bodies)
+    masses = rng.uniform(0.0, 1.0, bodies)
+    masses[1:2] = 0.0
+    size = bodies * dimension
+    return gravity(masses, dimension, 1.7, softening), rng.normal(size=size), 0.1 * rng.normal(size=size)
+
+
+@pytest.mark.parametrize(
+    ("scheme", "system"),
+    [
+        ("euler", _cloud(3, 2, None)),
+        ("velocity_verlet", _cloud(16, 3, 0.3)),
+        ("leapfrog", _cloud(1, 3, None)),
+        ("beeman_pc", _cloud(2, 3, None)),
+        ("verlet", (spring(2.0, 0.5), R, V)),
+        ("euler_pc", (FORCE, np.arange(40.0), np.ones(40))),
+    ],
+)
+def test_many_steps_of_few_bodies_have_the_bits_of_those_with_arrays(
+    scheme: str, system: tuple[Any, np.ndarray, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Samples on the way, a run that goes on, and one in pieces."""
+    force, r, v = system
+    begun = (r.copy(), v.copy())
+    runs = {}
+    for many in (1000, 10**9):
+        monkeypatch.setattr(module, "MANY_STEPS", many)
+        first = integrate(scheme, force, r, v, 1e-3, 1403, every=700, trajectory=True, pace=lambda done: 500)
+        runs[many] = (first, integrate(scheme, force, r, v, 1e-3, 1200, state=first.state))
+    assert np.array_equal(r, begun[0])
+    assert np.array_equal(v, begun[1])
+    for few, arrays in zip(*runs.values(), strict=True):
+        assert few.steps == arrays.steps
+        assert few.evaluations == arrays.evaluations
+        assert np.array_equal(few.r, arrays.r)
+        assert np.array_equal(few.v, arrays.v)
+    assert np.array_equal(runs[1000][0].positions, runs[10**9][0].positions)
+
+
+def test_bodies_that_meet_stop_a_long_run_at_the_step_at_which_arrays_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    r, v = np.array([-0.5, 0.0, 0.5, 0.0]), np.array([1.0, 0.0, -1.0, 0.0])
+    force = gravity(np.zeros(2), 2)
+    runs = []
+    for many in (1000, 10**9):
+        monkeypatch.setattr(module, "MANY_STEPS", many)
+        runs.append(integrate("leapfrog", force, r, v, 2.0**-10, 2000))
+    assert [run.diverged for run in runs] == [True, True]
+    assert [run.steps for run in runs] == [511, 511]
+    assert np.array_equal(runs[0].r, runs[1].r)
+
+
+def test_gear_and_unlike_masses_stay_with_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MANY_STEPS", 1000)
+    monkeypatch.setattr(module, "_advance_in_registers", None)
+    assert integrate("gear3", FORCE, R, V, 1e-3, 1001).steps == 1001
+    assert integrate("leapfrog", spring(2.0, np.array([1.0, 2.0, 3.0])), R, V, 1e-3, 1001).steps == 1001
