@@ -633,7 +633,8 @@ class Method(Part):
     contact: Contact | None = None
     """Contact law of hard spheres, for schemes that let them overlap; absent: they never overlap."""
     threads: Annotated[int, Field(ge=1, le=1024)] | None = None
-    """[1] Number of threads that share a run, of a lattice gas by its rows; no result depends on it. Absent: one."""
+    """[1] Number of threads that share a run, for schemes that are declared to take it (`method.threads`); no bit of a
+    result may depend on it. Absent: one."""
 
     @model_validator(mode="after")
     def _one_step(self) -> Self:
