@@ -32,6 +32,7 @@ from refimpl.stepping.forces.generic import (
     periods,
     renew,
     status,
+    team,
 )
 from refimpl.stepping.kernels.registers import from_array, to_array, tuple_from_arrays, tuple_to_arrays
 from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
@@ -297,9 +298,10 @@ def integrate(
             (r, v, memory), taken_in, outcome = _advance_few(record, force, (r, v, memory), dt, few, unsampled)
             done += taken_in
         if outcome == GOOD:
-            (r, v, memory), done, outcome = _advance(
-                record, force, (r, v, memory), dt, done, stop, every, (positions, velocities), energies
-            )
+            with team(force):
+                (r, v, memory), done, outcome = _advance(
+                    record, force, (r, v, memory), dt, done, stop, every, (positions, velocities), energies
+                )
         recorded = slice(before // every + 1, done // every + 1) if trajectory else slice(0, 0)
         positions[recorded] = away.true(positions[recorded])
         larger = None if outcome == GOOD else _enlarged(force, r, v, outcome)

@@ -21,7 +21,7 @@ def _judge(laboratory: Laboratory, number: int) -> Judged:
     scene = Scene(
         name=f"cloud-{number}",
         dimension=3,
-        duration=max(4, 40_000_000 // number**2) * LEAP_FROG.step,
+        duration=max(40, 40_000_000 // number**2) * LEAP_FROG.step,
         masses=1.0 / number,
         gravity=Gravity(softening=0.01),
         initial=explicit(positions, np.zeros_like(positions)),

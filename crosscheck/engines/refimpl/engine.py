@@ -85,7 +85,7 @@ class RefimplEngine:
         capability(
             "gravity",
             "stepping",
-            words="dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening",
+            words="dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening method.threads",
             observables=_SMOOTH,
         ),
         capability(

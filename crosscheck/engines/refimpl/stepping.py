@@ -95,7 +95,7 @@ def run_steps(scene: Scene, method: Method, ends: Continuation | None = None) ->
     done, cost = integrated(
         scene,
         method,
-        force_record(scene, state),
+        force_record(scene, state, method.threads or 1),
         r,
         v,
         trajectory=output.trajectory,
@@ -140,8 +140,11 @@ def unsupported_fluid(scene: Scene) -> str | None:
     return None
 
 
-def force_record(scene: Scene, state: State) -> Any:
-    """The force record of `refimpl` for a scene. state: its initial state, which gives masses, species and the box."""
+def force_record(scene: Scene, state: State, threads: int = 1) -> Any:
+    """The force record of `refimpl` for a scene.
+
+    state: its initial state, which gives masses, species and the box. threads: that share its work, where it has them.
+    """
     if scene.spring is not None:
         from refimpl.stepping.forces.spring import spring
 
@@ -149,7 +152,7 @@ def force_record(scene: Scene, state: State) -> Any:
     if scene.gravity is not None:
         from refimpl.stepping.forces.gravity import gravity
 
-        return gravity(state.masses, scene.dimension, scene.gravity.G, scene.gravity.softening)
+        return gravity(state.masses, scene.dimension, scene.gravity.G, scene.gravity.softening, threads)
     from refimpl.stepping.forces.lennard_jones import Walls, lennard_jones
 
     lj, box = scene.lennard_jones, scene.box

@@ -12,6 +12,7 @@ times faster than two-dimensional ones, and a scheme that works on coordinates n
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -82,6 +83,12 @@ def in_registers(force: Force, bodies: tuple[int, ...]) -> Force:
     bodies: a tuple of the length that `bodies_in_registers` returned.
     """
     return force
+
+
+@dispatched()
+def team(force: Force) -> AbstractContextManager[None]:
+    """While it lasts, the force's threads help with its evaluations; by default there are none. From Python only."""
+    return nullcontext()
 
 
 @dispatched()

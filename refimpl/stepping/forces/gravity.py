@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -18,10 +20,12 @@ from refimpl.stepping.forces.generic import (
     in_registers,
     kinetic_energy,
     status,
+    team,
 )
 from refimpl.stepping.kernels import few_bodies
 from refimpl.stepping.kernels import gravity as kernels
 from refimpl.stepping.kernels.registers import all_finite, from_array
+from refimpl.team import helping
 
 #: Up to so many bodies the plain double loop, which copies nothing, is as fast as the kernel for many; and a long run
 #: has them in registers, with the bits of the plain loop.
@@ -33,7 +37,8 @@ class Gravity(NamedTuple):
 
     mass: shape (N,). z: place of the third coordinate among those of a body, 2; None in the plane. G:
     gravitational constant, length^3/(mass time^2). softening: the length s, or None. None leaves the feature
-    out of the kernels. outcome: shape (1,), the status of the last evaluation.
+    out of the kernels. outcome: shape (1,), the status of the last evaluation. work: of the kernel for many bodies.
+    threads: that share its work.
     """
 
     mass: np.ndarray
@@ -41,20 +46,25 @@ class Gravity(NamedTuple):
     G: float
     softening: float | None
     outcome: np.ndarray
+    work: kernels.Work
+    threads: int
 
 
-def gravity(mass: np.ndarray, dimension: int, G: float = 1.0, softening: float | None = None) -> Gravity:
+def gravity(
+    mass: np.ndarray, dimension: int, G: float = 1.0, softening: float | None = None, threads: int = 1
+) -> Gravity:
     """A `Gravity` force of N bodies.
 
     mass: shape (N,), copied; zero for test particles, which feel forces and exert none. dimension: 2 or 3; in
     the plane the law is still the inverse square. G: in the same units. softening: the length s of a Plummer sphere,
-    S. J. Aarseth, Mon. Not. R. Astron. Soc. 126, 223 (1963); 0 counts as None.
+    S. J. Aarseth, Mon. Not. R. Astron. Soc. 126, 223 (1963); 0 counts as None. threads: that share the pairs of more
+    than FEW_BODIES bodies while `integrate` runs; no bit depends on their number.
 
     Bodies in the same place without softening have no acceleration: it comes out as not finite, and `status`
     as DIVERGED.
 
     Raises ValueError for a mass that is negative or not finite, for a mass array that is not flat or is
-    empty, and for a dimension, G or softening out of range. Evaluation raises ValueError if the coordinates
+    empty, and for a dimension, G, softening or threads out of range. Evaluation raises ValueError if the coordinates
     are not N*d in number.
     """
     mass = np.array(mass, dtype=np.float64)
@@ -71,12 +81,16 @@ def gravity(mass: np.ndarray, dimension: int, G: float = 1.0, softening: float |
         raise ValueError(f"gravitational constant G must be positive and finite, got {G}")
     if softening is not None and not (np.isfinite(softening) and softening >= 0):
         raise ValueError(f"softening must be a finite length >= 0, or None for no softening, got {softening}")
+    if threads < 1:
+        raise ValueError(f"threads must be at least 1, got {threads}")
     return Gravity(
         mass,
         None if dimension == 2 else 2,
         float(G),
         float(softening) if softening else None,
         np.full(1, GOOD, dtype=np.int64),
+        kernels.work(mass.size),
+        threads,
     )
 
 
@@ -129,13 +143,19 @@ def _require_coordinates(r: np.ndarray, mass: np.ndarray, z: int | None) -> None
 
 @register_jitable
 def _acceleration(
-    r: np.ndarray, mass: np.ndarray, z: int | None, G: float, softening: float | None, outcome: np.ndarray
+    r: np.ndarray,
+    mass: np.ndarray,
+    z: int | None,
+    G: float,
+    softening: float | None,
+    outcome: np.ndarray,
+    work: kernels.Work,
 ) -> np.ndarray:
     _require_coordinates(r, mass, z)
     if mass.size <= FEW_BODIES:
         a = plain_acceleration(r, mass, z, G, softening)
     else:
-        a = kernels.acceleration(r, mass, z, G, softening)
+        a = kernels.acceleration(r, mass, z, G, softening, work)
     outcome[0] = GOOD if kernels.all_finite(a) else DIVERGED
     return a
 
@@ -150,7 +170,7 @@ def _energy_and_virial(
 
 @implements(accelerate, Gravity)
 def _accelerate(force: Gravity, r: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return _acceleration(r, force.mass, force.z, force.G, force.softening, force.outcome)
+    return _acceleration(r, force.mass, force.z, force.G, force.softening, force.outcome, force.work)
 
 
 class FewBodies(NamedTuple):
@@ -181,6 +201,14 @@ def _accelerate_in_registers(force: FewBodies, r: Any, v: Any) -> Any:
     a = few_bodies.acceleration(r, force.mass, force.z, force.G, force.softening)
     force.outcome[0] = GOOD if all_finite(a) else DIVERGED
     return a
+
+
+@implements(team, Gravity)
+def _team(force: Gravity) -> AbstractContextManager[None]:
+    if force.mass.size <= FEW_BODIES:
+        return nullcontext()
+    arguments = force.mass.size, force.z, force.softening, force.work
+    return helping(partial(kernels.serve, *arguments), force.work.flags, force.threads)
 
 
 @implements(status, FewBodies)

@@ -20,6 +20,7 @@ from refimpl.stepping.forces.generic import (
     status,
 )
 from refimpl.stepping.forces.gravity import FEW_BODIES, gravity, plain_acceleration
+from refimpl.stepping.integrate import integrate
 from refimpl.stepping.kernels import gravity as kernels
 
 EPS = float(np.finfo(np.float64).eps)
@@ -88,7 +89,7 @@ def force_of(case: Case):  # type: ignore[no-untyped-def]
 @given(cases())
 def test_fast_and_plain_kernels_agree_to_round_off(case: Case) -> None:
     arguments = (case.r, case.mass, case.z, case.G, case.softening)
-    plain, fast = plain_acceleration(*arguments), kernels.acceleration(*arguments)
+    plain, fast = plain_acceleration(*arguments), kernels.acceleration(*arguments, kernels.work(case.mass.size))
     scale = np.abs(terms(case)).sum(axis=1).ravel()
     assert np.all(np.abs(fast - plain) <= (case.mass.size + 12) * EPS * scale)
     expected = terms(case).sum(axis=1).ravel()
@@ -98,11 +99,11 @@ def test_fast_and_plain_kernels_agree_to_round_off(case: Case) -> None:
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("softening", [None, 0.2])
 def test_agreement_at_every_remainder_of_the_vector_length(dimension: int, softening: float | None) -> None:
-    for n in (*range(1, 35), 511, 512, 513):
+    for n in (*range(1, 35), 511, 512, 513, 1030):
         case = lattice_case(n, dimension, softening)
         arguments = (case.r, case.mass, case.z, case.G, case.softening)
         scale = np.abs(terms(case)).sum(axis=1).ravel()
-        difference = kernels.acceleration(*arguments) - plain_acceleration(*arguments)
+        difference = kernels.acceleration(*arguments, kernels.work(case.mass.size)) - plain_acceleration(*arguments)
         assert np.all(np.abs(difference) <= (n + 12) * EPS * scale), n
 
 
@@ -119,6 +120,24 @@ def test_momentum_is_conserved_to_round_off(case: Case) -> None:
     forces = np.abs(case.mass[:, None, None] * terms(case)).sum(axis=(0, 1))
     for k in range(case.dimension):
         assert abs(math.fsum(case.mass * a[:, k])) <= (case.mass.size + 12) * EPS * forces[k]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("n", [FEW_BODIES, MANY, 521])
+def test_threads_change_no_bit(n: int, dimension: int) -> None:
+    case = lattice_case(n, dimension, None)
+    runs = [
+        integrate("leapfrog", gravity(case.mass, dimension, threads=threads), case.r, 0 * case.r, 1e-4, 40)
+        for threads in (1, 2, 5)
+    ]
+    for run in runs[1:]:
+        assert np.array_equal(run.r, runs[0].r)
+        assert np.array_equal(run.v, runs[0].v)
+
+
+def test_threads_must_be_one_or_more() -> None:
+    with pytest.raises(ValueError, match="threads must be at least 1, got 0"):
+        gravity(np.ones(3), 2, threads=0)
 
 
 @settings(deadline=None)
