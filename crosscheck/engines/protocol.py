@@ -62,7 +62,7 @@ class Cost:
     lists of neighbours made anew, or picked from a longer one; list_tests: distances computed for that. Event-driven:
     predictions: pairs looked at for an event; comparisons: of times, to find the next event; stale_events: events
     that were due but not valid any more; cell_crossings: events that moved a particle to another cell. site_updates:
-    sites of a lattice computed.
+    sites of a lattice computed; row_fetches: how often a row of it was fetched from memory, for a step or several.
     """
 
     wall: float = 0.0
@@ -81,6 +81,7 @@ class Cost:
     stale_events: int | None = None
     cell_crossings: int | None = None
     site_updates: int | None = None
+    row_fetches: int | None = None
 
     def add(self, other: Cost) -> None:
         """Adds the cost of another run; of the peak memory, the larger; what the other has not counted adds nothing."""

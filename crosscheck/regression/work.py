@@ -12,7 +12,7 @@ from crosscheck.regression.results import Key, Results
 GROWN = 0.05
 #: Numbers that follow from the length of the run. The others depend on what happened in it: another rounding of a
 #: chaotic run changes them, as other random numbers would.
-_GIVEN = ("steps", "evaluations", "site_updates")
+_GIVEN = ("steps", "evaluations", "site_updates", "row_fetches")
 #: So many standard errors of Poisson's distribution may the latter differ by: 6e-7, one of a thousand numbers rarely.
 _POISSON = 5.0
 

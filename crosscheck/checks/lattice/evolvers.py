@@ -7,13 +7,15 @@ from typing import Any
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.lattice.gases import LATTICE, filled, gas_scene
 from crosscheck.checks.lattice.recording import recorded
-from crosscheck.engines.capabilities import Needs
+from crosscheck.engines.capabilities import Needs, refusal
+from crosscheck.engines.registry import engine_class
 from crosscheck.faults import Fault
 from crosscheck.references.lattice_models import MODELS
-from crosscheck.scene import Method, Obstacle, Output
-from crosscheck.verdict import Judged, round_off, worst
+from crosscheck.scene import Floats, Method, Obstacle, Output, Scene
+from crosscheck.verdict import Judged, Judgement, round_off, worst
 
 STEPS = 4
+_ROWS, _COLUMNS = 8, 133
 EVOLVERS = ("lattice_lookup", "lattice_planes", "lattice_numpy")
 #: Models of the quick tier: whose states choose among at most two outcomes, and among more, by one random bit and two.
 _QUICK = ("fhp3", "fhp_saturated_identity")
@@ -33,7 +35,7 @@ def _judge(laboratory: Laboratory, model: str) -> Judged:
     judgements = []
     both: dict[str, dict[str, Any]] = {"walls": {"obstacles": walls, "force": -0.05}, "free": {}}
     for name, gas in both.items():
-        scene = gas_scene(name, model, 8, 133, STEPS, start, Output(), **gas)
+        scene = gas_scene(name, model, _ROWS, _COLUMNS, STEPS, start, Output(), **gas)
         first, *others = (recorded(laboratory, scene, Method(scheme=scheme)) for scheme in EVOLVERS)
         judgements.append(
             round_off(
@@ -53,7 +55,30 @@ def _judge(laboratory: Laboratory, model: str) -> Judged:
             )
             for scheme, other in zip(EVOLVERS[1:], others, strict=True)
         ]
-    return worst(judgements, f"{STEPS} steps of 8 x 133 sites")
+        judgements += _in_one_go(laboratory, scene, first.trajectory[-1], name)
+    return worst(judgements, f"{STEPS} steps of {_ROWS} x {_COLUMNS} sites")
+
+
+def _in_one_go(laboratory: Laboratory, scene: Scene, expected: Floats, name: str) -> list[Judgement]:
+    """All steps without a look in between, in which an evolver may take several together, or share them out.
+
+    expected: the sites after the last step, (rows, columns, b).
+    """
+    whole = scene.changed(output=Output(interval=STEPS, fields=(_COLUMNS, _ROWS), observables=("populations",)))
+    judgements = []
+    for method in (*(Method(scheme=scheme) for scheme in EVOLVERS), Method(scheme="lattice_planes", threads=2)):
+        if refusal(engine_class(laboratory.engine), whole, method) is None:
+            last = laboratory.run(whole, method)["populations"][-1].transpose(1, 0, 2)
+            threads = f" by {method.threads} threads" if method.threads else ""
+            judgements.append(
+                round_off(
+                    f"{name}: sites that {method.scheme}{threads} moves otherwise in {STEPS} steps at once",
+                    float((last != expected).any(axis=-1).sum()),
+                    0.5,
+                    "steps taken together are the same steps: not one bit may differ",
+                )
+            )
+    return judgements
 
 
 CHECKS = (
@@ -74,6 +99,16 @@ CHECKS = (
                     "(read(place + -1) >> 63)",
                     "(read(place + -2) >> 63)",
                     "bit planes take the bit at the edge of a word from the next but one",
+                ),
+            ),
+            (
+                "fhp3",
+                Fault(
+                    "early-triangle",
+                    "lattice/kernels/planes.py",
+                    "inset = slope * (level + 1)",
+                    "inset = slope * level",
+                    "where several steps are taken in one pass, rows move before their neighbours have",
                 ),
             ),
         ),

@@ -62,6 +62,7 @@ def run_lattice(scene: Scene, method: Method, evolver: str, ends: Continuation |
     cost.steps = int(scene.duration)
     assert scene.lattice_gas is not None
     cost.site_updates = int(gas.passes.sum()) * scene.lattice_gas.columns
+    cost.row_fetches = int(gas.fetches.sum()) if hasattr(gas, "fetches") else None
     if ends is not None:
         ends.leave(_state(gas))
     return run

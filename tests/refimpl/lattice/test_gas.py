@@ -19,7 +19,7 @@ from hypothesis.extra.numpy import arrays
 from numba import typeof, types
 from scipy.stats import chisquare
 
-from refimpl.lattice.bitplanes import PlaneGas
+from refimpl.lattice.bitplanes import PlaneGas, _tiling
 from refimpl.lattice.gas import (
     BOUNCE_BACK,
     DIFFUSIVE_X,
@@ -45,6 +45,8 @@ EVOLVERS: dict[str, Callable[..., LatticeGas]] = {
     "plain": PlainGas,
     "lookup": LookupGas,
     "planes": PlaneGas,
+    "planes step by step": lambda *scene, **more: PlaneGas(*scene, block=1, **more),
+    "planes of two threads": lambda *scene, **more: PlaneGas(*scene, threads=2, **more),
     "planes of three threads": lambda *scene, **more: PlaneGas(*scene, threads=3, **more),
 }
 HPP, FHP = MODELS["hpp"], MODELS["fhp1"]
@@ -135,6 +137,62 @@ def test_evolvers_agree_on_any_force(channel: int, probability: float) -> None:
         gas.advance(5)
     assert_same(gases)
     assert gases[0].impulses.any() == (probability > 0.1)
+
+
+@given(data=st.data())
+def test_blocks_of_steps_and_threads_change_no_bit_and_no_work(data: st.DataObject) -> None:
+    model = data.draw(models)
+    rows = data.draw(st.integers(1, 45)) * (2 if model.velocities.half_rows else 1)
+    columns = data.draw(st.sampled_from([1, 2, 63, 64, 65, 200, 511, 512, 513, 1100]))
+    more = everything(model, rows, columns) if data.draw(st.booleans()) else {}
+    sites = random_sites(model, rows, columns, data.draw(st.integers(0, 99)))
+    block = data.draw(st.none() | st.integers(1, 50))
+    plain = PlainGas(model, sites, seed=5, **more)
+    threads = data.draw(st.integers(1, 5))
+    planes = PlaneGas(model, sites, seed=5, threads=threads, block=block, **more)
+    fetched = 0
+    for steps in data.draw(st.lists(st.integers(0, 30), min_size=1, max_size=3)):
+        plain.advance(steps)
+        planes.advance(steps)
+        assert_same([plain, planes])
+        assert planes.passes.sum() == rows * plain.time
+        # each block of steps fetches all rows once, and once more those of the triangles between the stretches
+        lengths = [min(planes._block, steps - start) for start in range(0, steps, planes._block)]
+        fetched += sum(rows + 2 * threads * (length - 1) for length in lengths)
+        assert planes.fetches.sum() == fetched
+
+
+@pytest.mark.parametrize("columns", [9000, 70_000])
+def test_rows_as_wide_as_a_cache(columns: int) -> None:
+    """Bands of few rows, and blocks of few steps."""
+    sites = random_sites(FHP, 24, columns)
+    gases = [PlaneGas(FHP, sites, block=1), PlaneGas(FHP, sites), PlaneGas(FHP, sites, threads=2)]
+    assert 2 < gases[1]._band < 16
+    for gas in gases:
+        gas.advance(25)
+    assert_same(list(gases))
+
+
+@given(st.integers(1, 300), st.integers(1, 9), st.integers(1, 40))
+def test_tiles_of_a_block_hold_each_row_of_each_step_once_and_after_its_neighbours(
+    rows: int, threads: int, most: int
+) -> None:
+    block, phases = _tiling(rows, threads, most)
+    assert 1 <= block <= most
+    steps_of = np.zeros(rows, dtype=int)
+    for tiles in phases:
+        before = steps_of.copy()  # tiles of one phase know nothing of each other
+        for first, last, slope in tiles:
+            here = before.copy()
+            for step in range(block):
+                moved = np.arange(first + slope * (step + 1), last - slope * (step + 1)) % rows
+                needed = np.concatenate([moved - 1, moved, moved + 1]) % rows
+                if slope:
+                    assert (here[moved] == step).all()
+                    assert ((here[needed] == step) | (here[needed] == step + 1)).all()
+                here[moved] += 1
+            steps_of += here - before
+    assert (steps_of == block).all()
 
 
 @every_evolver
@@ -487,9 +545,11 @@ def test_gases_that_there_are_not(
         evolver(model, sites, **more)
 
 
-def test_threads_that_there_are_not() -> None:
+def test_threads_and_blocks_that_there_are_not() -> None:
     with pytest.raises(ValueError, match="threads = 0 must be at least 1"):
         PlaneGas(HPP, GOOD, threads=0)
+    with pytest.raises(ValueError, match="block = 0 must be at least 1"):
+        PlaneGas(HPP, GOOD, block=0)
 
 
 @plain_and_planes
