@@ -16,11 +16,11 @@ from refimpl.lattice.kernels.planes import PAD, Push, advance, populations, seal
 from refimpl.lattice.kernels.words import WIDTH
 from refimpl.lattice.models import Model
 
-# Words of 8 bytes that a band of rows, and all rows of a block of steps, may take in both copies: 64 kB, and most of a
-# core's second cache, which has 512 kB or more in the processors of today.
-_BAND, _BLOCK = 8192, 49152
+# Words of 8 bytes that a band of rows, and all rows of a block of steps, may take in both copies: a core's first cache,
+# 32 kB or more, and three quarters of its second one, 512 kB or more in the processors of today.
+_BAND, _BLOCK = 4096, 49152
 # Rows of a band, and steps of a block, of narrow rows. More of either gains nothing.
-_ROWS, _STEPS = 16, 32
+_ROWS, _STEPS = 16, 128
 # In words of 8 bytes. Neighbouring planes, and source and target, must not lie a multiple of 4096 bytes apart: the
 # processor would make loads wait for stores to the same offset of another page, and planes would share cache lines.
 _PAGE, _HUGE, _APART = 512, 1 << 18, 72
@@ -59,7 +59,7 @@ class PlaneGas(LatticeGas):
         self._current = 0  # of the two copies, that of the present state
         self._band, most = _in_cache(2 * model.channels * stride)
         self._block, self._phases = _tiling(self.rows, threads, most if block is None else block)
-        self._threads = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._helpers = ThreadPoolExecutor(threads - 1) if threads > 1 else None
         self.fetches = np.zeros(self.rows, dtype=np.int64)
         self._set(np.asarray(sites))
         rules: Any = (None, None) if self.walls is None else self._wall_planes(self.walls)
@@ -85,7 +85,7 @@ class PlaneGas(LatticeGas):
         seal(self._planes, self._current, self._shape)
 
     def advance(self, steps: int) -> None:
-        if self._threads is None:
+        if self._helpers is None:
             self._take(np.concatenate(self._phases), steps)
             self._done(steps)
             return
@@ -93,7 +93,8 @@ class PlaneGas(LatticeGas):
         while steps:
             now = min(steps, self._block)
             for tiles in self._phases:
-                parts = [self._threads.submit(self._take, tile[None], now) for tile in tiles]
+                parts = [self._helpers.submit(self._take, tile[None], now) for tile in tiles[1:]]
+                self._take(tiles[:1], now)
                 for part in parts:
                     part.result()
             self._done(now)
@@ -147,7 +148,7 @@ def _in_cache(width: int) -> tuple[int, int]:
     Rows wider than a cache have some steps too: the next larger cache may hold them.
     """
     band = min(max(_BAND // width, 4), _ROWS)
-    return band, min(max(_BLOCK // width - band, _STEPS // 4), _STEPS)
+    return band, min(max(_BLOCK // width - band, 8), _STEPS)
 
 
 def _tiling(rows: int, threads: int, most: int) -> tuple[int, list[np.ndarray]]:

@@ -7,6 +7,7 @@ of bit planes are compiled for each model, without anything and with everything,
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from itertools import product
 from typing import Any
@@ -19,6 +20,7 @@ from hypothesis.extra.numpy import arrays
 from numba import typeof, types
 from scipy.stats import chisquare
 
+from refimpl.lattice import bitplanes
 from refimpl.lattice.bitplanes import PlaneGas, _tiling
 from refimpl.lattice.gas import (
     BOUNCE_BACK,
@@ -543,6 +545,22 @@ def test_gases_that_there_are_not(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         evolver(model, sites, **more)
+
+
+def test_threads_share_a_phase_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each waits for the others where the kernel runs: one after the other they would wait in vain."""
+    meeting = threading.Barrier(3, timeout=60)
+
+    def kernel(*arguments: Any) -> None:
+        steps = arguments[-3]
+        if steps:
+            meeting.wait()
+
+    monkeypatch.setattr(bitplanes, "advance", kernel)
+    gas = PlaneGas(FHP, random_sites(FHP, 24, 5), threads=3)
+    gas.advance(9)
+    assert gas.time == 9
+    assert advance.targetoptions["nogil"]
 
 
 def test_threads_and_blocks_that_there_are_not() -> None:
