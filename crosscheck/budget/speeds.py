@@ -43,6 +43,8 @@ _CALLS, _NOTHING, _OVER_CALL = 3, 1e-9, 3.0
 _POWERS = (0.0, 3.0)
 #: The fluids of the trials.
 _PACKING, _DENSITY, _CUTOFF = 0.3, 0.6, 2.5
+#: About a step of schemes that choose their own, for springs and bodies at 1e-6: units of time.
+_SMOOTH_STEP = 0.1
 
 
 class Trial(NamedTuple):
@@ -125,7 +127,7 @@ def _timed(worker: Worker, maker: _Maker, sizes: tuple[int, ...]) -> Speed | Non
                 break
         _wall(worker, trial)  # imports, and compiles
         still = trial._replace(scene=trial.scene.changed(duration=0.0))
-        calls.append(min(_wall(worker, still) for _ in range(_CALLS)))
+        calls.append(min(_wall(worker, still)[0] for _ in range(_CALLS)))
         units.append(_per_unit(worker, maker, size, calls[-1]))
         done.append(size)
     return Speed(tuple(done), tuple(calls), tuple(units)) if done else None
@@ -136,16 +138,19 @@ def _per_unit(worker: Worker, maker: _Maker, size: int, call: float) -> float:
     amount, enough = 1, max(_LONG_ENOUGH, _OVER_CALL * call)
     while True:
         trial = maker(size, amount)
-        took = max(_wall(worker, trial) - call, _NOTHING)
-        if took >= enough or trial.units >= _MOST_UNITS:
-            return took / trial.units
+        seconds, units = _wall(worker, trial)
+        took = max(seconds - call, _NOTHING)
+        if took >= enough or units >= _MOST_UNITS:
+            return took / units
         amount = math.ceil(amount * min(max(1.5 * enough / took, 2), _LONGER))
 
 
-def _wall(worker: Worker, trial: Trial) -> float:
+def _wall(worker: Worker, trial: Trial) -> tuple[float, float]:
+    """Seconds of a run, and its units: those of the trial, or the steps that the engine chose itself."""
     started = time.perf_counter()
-    worker.run(trial.scene, trial.method)
-    return time.perf_counter() - started
+    run = worker.run(trial.scene, trial.method)
+    seconds = time.perf_counter() - started
+    return seconds, trial.units if trial.method.tolerance is None else max(float(run.cost.steps), 1.0)
 
 
 # -- scenes ------------------------------------------------------------------------------------------------------------
@@ -154,9 +159,9 @@ def _wall(worker: Worker, trial: Trial) -> float:
 def _makers(interaction: str, kind: str, scheme: str) -> Iterator[_Maker]:
     """Kinds of trials, the first of which that an engine runs is taken."""
     if interaction == "spring":
-        yield from (_springs(scheme, d) for d in (2, 3, 1))
+        yield from (_springs(_smooth_method(kind, scheme), d) for d in (2, 3, 1))
     elif interaction == "gravity":
-        yield from (_bodies(scheme, d) for d in (3, 2))
+        yield from (_bodies(_smooth_method(kind, scheme), d) for d in (3, 2))
     elif interaction == "lennard_jones":
         forms = product((3, 2), ("periodic", "open"), ("truncated", "shifted", "force_shifted"))
         yield from (_fluid(scheme, *form) for form in forms)
@@ -167,21 +172,24 @@ def _makers(interaction: str, kind: str, scheme: str) -> Iterator[_Maker]:
             yield from (_spheres(d, boundary, method) for method in _methods(kind, scheme))
 
 
-def _springs(scheme: str, dimension: int) -> _Maker:
+def _smooth_method(kind: str, scheme: str) -> Method:
+    """How springs and bodies are run."""
+    return Method(scheme=scheme, tolerance=1e-6) if kind == "adaptive" else Method(scheme=scheme, dt=1e-4)
+
+
+def _springs(method: Method, dimension: int) -> _Maker:
     def make(size: int, amount: int) -> Trial:
         x = np.random.default_rng(size).normal(size=(size, dimension))
-        return _trial(
-            Method(scheme=scheme, dt=0.01), amount, dimension, spring=Spring(k=1.0), initial=explicit(x, 0 * x)
-        )
+        return _trial(method, amount, dimension, spring=Spring(k=1.0), initial=explicit(x, 0 * x))
 
     return make
 
 
-def _bodies(scheme: str, dimension: int) -> _Maker:
+def _bodies(method: Method, dimension: int) -> _Maker:
     def make(size: int, amount: int) -> Trial:
         x, v = np.random.default_rng(size).normal(size=(2, size, dimension))
         entries = {"masses": 1 / size, "gravity": Gravity(), "initial": explicit(x, v)}
-        return _trial(Method(scheme=scheme, dt=1e-4), amount, dimension, **entries)
+        return _trial(method, amount, dimension, **entries)
 
     return make
 
@@ -245,6 +253,7 @@ def _lattice(size: int, structure: str) -> dict[str, Any]:
 
 def _trial(method: Method, amount: int, dimension: int, **entries: Any) -> Trial:
     """A trial of so many steps; entries: of its scene."""
-    length = {} if method.dt is None else {"duration": amount * method.dt}
+    step = _SMOOTH_STEP if method.tolerance is not None else method.dt
+    length = {} if step is None else {"duration": amount * step}
     scene = Scene.model_validate({"name": "trial", "dimension": dimension, **length, **entries})
     return Trial(scene, method, amount)

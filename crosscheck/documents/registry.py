@@ -106,6 +106,7 @@ def _served(engine: type[Engine], one: Capability) -> str:
 
 _KINDS = {
     "stepping": "time-step",
+    "adaptive": "adaptive",
     "event_driven": "event-driven",
     "collision_search": "collision-search",
     "lattice": "lattice",

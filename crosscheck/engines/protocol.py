@@ -22,9 +22,10 @@ from crosscheck.scene import AXES, Floats, Method, Scene
 from crosscheck.scene.lattice_gas import gas_model
 from crosscheck.scene.observables import OPERATIONS, lengths
 
-#: How a scheme moves its scene: by time steps under forces; from event to event, without a step; by time steps, after
-#: each of which it looks for collisions of hard spheres; a lattice gas, by whole steps of 1.
-Kind = Literal["stepping", "event_driven", "collision_search", "lattice"]
+#: How a scheme moves its scene: by time steps under forces; by time steps that it chooses itself, to a tolerance; from
+#: event to event, without a step; by time steps, after each of which it looks for collisions of hard spheres; a lattice
+#: gas, by whole steps of 1.
+Kind = Literal["stepping", "adaptive", "event_driven", "collision_search", "lattice"]
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,11 @@ class Claims:
     def takes_dt(self) -> bool:
         """Whether the scheme takes time steps of the length `method.dt`."""
         return self.kind in ("stepping", "collision_search")
+
+    @property
+    def takes_tolerance(self) -> bool:
+        """Whether the scheme chooses its own time steps, by `method.tolerance`."""
+        return self.kind == "adaptive"
 
 
 @dataclass
@@ -159,7 +165,8 @@ class Engine(Protocol):
         """Runs the scene from its initial state for its duration.
 
         scene: what to simulate, and what to record; `supports` has accepted it. method: the scheme, one of `schemes`;
-        `dt`, in units of time, is given if and only if the scheme takes time steps. Any exception is an error of the
+        `dt`, in units of time, is given if and only if the scheme takes time steps, and `tolerance` if and only if
+        it chooses them itself. Any exception is an error of the
         engine; a run that diverges is not: see `Run`.
         """
 

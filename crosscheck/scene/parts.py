@@ -623,13 +623,16 @@ class Contact(Part):
 
 
 class Method(Part):
-    """How the scene is integrated: the scheme and its time step."""
+    """How the scene is integrated: the scheme, and its time step or tolerance."""
 
     scheme: str
     """Name of the scheme, one of those of the engine that runs the scene."""
     dt: Positive | None = None
     """[time] Time step; it must divide `duration` and `output.interval`. Absent: the scheme is event-driven or a
-    lattice gas, or `contact.resolution` is given."""
+    lattice gas, or `tolerance` or `contact.resolution` is given."""
+    tolerance: Annotated[float, Field(gt=0, lt=1), AfterValidator(_not_tiny)] | None = None
+    """[1] Of schemes that choose their own time steps: estimated error of a step that is allowed, relative to each
+    coordinate and to the size of the scene. Absent: `dt` is given, or the scheme takes no time steps."""
     contact: Contact | None = None
     """Contact law of hard spheres, for schemes that let them overlap; absent: they never overlap."""
     threads: Annotated[int, Field(ge=1, le=1024)] | None = None
@@ -640,6 +643,8 @@ class Method(Part):
     def _one_step(self) -> Self:
         if self.dt is not None and self.contact is not None and self.contact.resolution is not None:
             raise ValueError("dt and contact.resolution both say how long a step is: remove one")
+        if self.dt is not None and self.tolerance is not None:
+            raise ValueError("dt and tolerance both say how long a step is: remove one")
         return self
 
     @property
@@ -648,6 +653,16 @@ class Method(Part):
         if self.dt is None:
             raise UsageError(f"method.dt is missing: scheme '{self.scheme}' takes time steps: add dt, as in dt = 0.005")
         return self.dt
+
+    @property
+    def allowed(self) -> float:
+        """tolerance, of an error relative to its coordinate; UsageError without one."""
+        if self.tolerance is None:
+            raise UsageError(
+                f"method.tolerance is missing: scheme '{self.scheme}' chooses its own time steps: add tolerance, as in "
+                "tolerance = 1e-9"
+            )
+        return self.tolerance
 
 
 def _title(name: str) -> str:

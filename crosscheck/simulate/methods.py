@@ -21,7 +21,7 @@ from crosscheck.simulate.files import clean, file_labels
 from crosscheck.text import shortened
 
 #: Kinds of schemes in the order in which one is proposed.
-_KINDS: tuple[Kind, ...] = ("event_driven", "lattice", "stepping", "collision_search")
+_KINDS: tuple[Kind, ...] = ("event_driven", "lattice", "stepping", "adaptive", "collision_search")
 
 
 @dataclass(frozen=True)
@@ -199,4 +199,6 @@ def _proposed(scene: Scene, engine: str) -> str:
             entries += ["contact.duration=0.01", "contact.resolution=0.02"]
         else:
             entries.append(f"dt={(scene.output.interval or scene.duration or 1.0) / 100:.6g}")
+    elif kind == "adaptive":
+        entries.append("tolerance=1e-9")
     return f"{engine}:{','.join(entries)}"

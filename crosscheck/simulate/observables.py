@@ -254,7 +254,7 @@ def meaning(name: str) -> str:
 
 
 def method_label(method: Method) -> str:
-    """`method` as text: scheme, time step, and stiffness or duration of contacts: "verlet, dt = 0.01, k = 1000.0"."""
+    """`method` as text: scheme, time step or tolerance, stiffness or duration of contacts: "verlet, dt = 0.01"."""
     contact, dt = method.contact, None if method.dt is None else f"{method.dt!r}"
     softness = ""
     if contact is not None:
@@ -262,4 +262,5 @@ def method_label(method: Method) -> str:
         name = next(name for name in names if getattr(contact, name) is not None)
         softness = f", {names[name]} = {getattr(contact, name)!r}"
         dt = dt or f"{contact.resolution!r} t_c"
-    return method.scheme + (f", dt = {dt}" if dt else "") + softness
+    tolerance = "" if method.tolerance is None else f", tolerance = {method.tolerance!r}"
+    return method.scheme + (f", dt = {dt}" if dt else "") + tolerance + softness

@@ -105,12 +105,20 @@ def _asked_arrays(run: Mapping[str, Floats], scene: Scene, method: Method) -> di
 
 
 def _check_step(claims: Claims, method: Method) -> None:
-    """UsageError if a scheme that takes time steps has none, or one that does not take them has one."""
+    """UsageError unless a scheme has the time step or the tolerance that it takes, and none that it does not take."""
+    how = {
+        "lattice": "takes whole steps of 1",
+        "event_driven": "goes from event to event",
+        "adaptive": "chooses its own time steps",
+    }.get(claims.kind, "takes steps of dt")
+    if method.dt is not None and not claims.takes_dt:
+        raise UsageError(f"method.dt = {method.dt:g}: scheme '{method.scheme}' {how}: remove dt")
+    if method.tolerance is not None and not claims.takes_tolerance:
+        raise UsageError(f"method.tolerance = {method.tolerance:g}: scheme '{method.scheme}' {how}: remove tolerance")
     if claims.takes_dt:
         _ = method.step
-    elif method.dt is not None:
-        how = "takes whole steps of 1" if claims.kind == "lattice" else "goes from event to event"
-        raise UsageError(f"method.dt = {method.dt:g}: scheme '{method.scheme}' {how}: remove dt")
+    if claims.takes_tolerance:
+        _ = method.allowed
 
 
 def serve(engine_name: str, read_fd: int, write_fd: int) -> None:

@@ -15,7 +15,9 @@ from crosscheck.engines.capabilities import refusal, schemes_for
 from crosscheck.engines.registry import engine_class, shipped_engines
 from crosscheck.engines.soft_spheres import resolved
 from crosscheck.errors import EngineError
+from crosscheck.scene import Method
 
+METHOD = Method(scheme="x", dt=1e-4)
 EXAMPLE = Path(__file__).parents[3] / "examples" / "my_engine.py"
 
 
@@ -68,20 +70,20 @@ class _Clock:
     def supports(self, scene: object, method: object) -> str | None:
         return None if scene.number <= self.most else "too many"  # type: ignore[attr-defined]
 
-    def wall(self, worker: object, trial: speeds.Trial) -> float:
+    def wall(self, worker: object, trial: speeds.Trial) -> tuple[float, float]:
         size = trial.scene.number
         self.sizes.append(size)
         units = trial.units if trial.scene.duration else 0
         took = self.call * size + self.unit * size**self.power * units
         self.spent += took
-        return took
+        return took, trial.units
 
 
 @pytest.mark.parametrize("power", [0.0, 1.0, 2.0])
 def test_what_a_unit_takes_is_found(monkeypatch: pytest.MonkeyPatch, power: float) -> None:
     clock = _Clock(1e-5, 3e-6, power)
     monkeypatch.setattr(speeds, "_wall", clock.wall)
-    speed = speeds._timed(clock, speeds._bodies("x", 3), (2, 16, 128))  # type: ignore[arg-type]
+    speed = speeds._timed(clock, speeds._bodies(METHOD, 3), (2, 16, 128))  # type: ignore[arg-type]
     assert speed is not None
     assert speed.sizes == (2, 16, 128)
     for size in (2, 16, 128, 1000):
@@ -92,7 +94,7 @@ def test_what_a_unit_takes_is_found(monkeypatch: pytest.MonkeyPatch, power: floa
 def test_what_would_take_too_long_is_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = _Clock(0.0, 1e-2, 2.0)
     monkeypatch.setattr(speeds, "_wall", clock.wall)
-    speed = speeds._timed(clock, speeds._bodies("x", 3), (2, 16, 128))  # type: ignore[arg-type]
+    speed = speeds._timed(clock, speeds._bodies(METHOD, 3), (2, 16, 128))  # type: ignore[arg-type]
     assert speed is not None
     assert speed.sizes == (2,)
     assert speed.units == (pytest.approx(0.04),)
@@ -101,12 +103,12 @@ def test_what_would_take_too_long_is_not_measured(monkeypatch: pytest.MonkeyPatc
 def test_what_an_engine_refuses_is_not_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = _Clock(0.0, 1e-6, 1.0, most=20)
     monkeypatch.setattr(speeds, "_wall", clock.wall)
-    speed = speeds._timed(clock, speeds._bodies("x", 3), (2, 16, 128))  # type: ignore[arg-type]
+    speed = speeds._timed(clock, speeds._bodies(METHOD, 3), (2, 16, 128))  # type: ignore[arg-type]
     assert speed is not None
     assert speed.sizes == (2, 16)
     assert max(clock.sizes) == 16
     nothing = _Clock(0.0, 1e-6, 1.0, most=1)
-    assert speeds._timed(nothing, speeds._bodies("x", 3), (2, 16, 128)) is None  # type: ignore[arg-type]
+    assert speeds._timed(nothing, speeds._bodies(METHOD, 3), (2, 16, 128)) is None  # type: ignore[arg-type]
 
 
 def test_a_real_engine_is_timed() -> None:
