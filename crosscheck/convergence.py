@@ -1,7 +1,8 @@
-"""Orders of convergence and extrapolation to a vanishing step: what the checks of integrators share.
+"""Orders of convergence, with their asymptotic window, and extrapolation to a vanishing step.
 
 Literature: L. F. Richardson, Phil. Trans. R. Soc. A 226, 299 (1927); E. Hairer, S. P. Norsett and G. Wanner, Solving
-Ordinary Differential Equations I, 2nd ed., Springer (1993), section II.9.
+Ordinary Differential Equations I, 2nd ed., Springer (1993), section II.9; P. J. Roache, J. Fluids Eng. 116, 405 (1994),
+on observed orders and their asymptotic range.
 """
 
 from __future__ import annotations
@@ -11,11 +12,106 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crosscheck.statistics import student_quantile
+
 Floats = NDArray[np.float64]
 
 #: Orders are whole numbers: a quarter keeps the neighbouring orders three tolerances away.
 ORDER_TOLERANCE = 0.25
 WHY_ORDER = "orders are whole numbers; a quarter keeps the neighbouring ones three tolerances away"
+#: Level of the interval of an observed order; half its width beyond which two whole numbers are within it.
+LEVEL = 0.95
+WIDEST = 0.5
+#: Runs in a window: an order, a scatter and a bend have to be told apart.
+FEWEST = 4
+#: An error that is not so many times its floor, or its own standard error, is left out.
+CLEAR = 3.0
+#: Of the error h^p (1 + D h), on four runs of halved steps: how far the slope is from p, over its difference from that
+#: of the finer half: 23/8. Less for longer windows and higher second terms.
+_BEND = 3.0
+WINDOW = (
+    f"the window starts at the smallest step whose error is {CLEAR:g} times its floor, and reaches as far up as makes "
+    f"the {LEVEL:.0%} interval narrowest"
+)
+
+
+class Observed(NamedTuple):
+    """An order of convergence with its asymptotic window.
+
+    value: d ln(error)/d ln(step). half: half the width of its `LEVEL` interval. used: indices of the runs in the
+    window, smallest step first; empty if there is none, value and half are then NaN. reason: why there is none, or "".
+    """
+
+    value: float
+    half: float
+    used: tuple[int, ...]
+    reason: str = ""
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The ends of the interval."""
+        return self.value - self.half, self.value + self.half
+
+
+def observed_order(
+    steps: ArrayLike,
+    errors: ArrayLike,
+    floors: ArrayLike = 0.0,
+    uncertainties: ArrayLike = 0.0,
+    ceiling: float = np.inf,
+) -> Observed:
+    """The order of convergence on a ladder of steps, from a window that is chosen by what the errors show.
+
+    For small steps h, error = C h^p (1 + D h^q + ...), q >= 1, beside a floor of rounding. The line ln(error) = ln C +
+    p ln h is fitted by least squares to a window of `FEWEST` or more neighbouring runs. It starts at the smallest step
+    whose error is at least `CLEAR` times its floor and its standard error, for there D h^q is smallest. A longer window
+    lessens what scatter does to the slope, and adds to the bend. Both are in the half-width of the interval: (t s)^2 +
+    (z u)^2 squared and summed, with Student's t of the scatter s about the line, z of the known errors u; and, added,
+    the largest difference of the slope in the finer and in the coarser half of the window from that in the whole. The
+    window with the narrowest interval is taken.
+
+    steps: (n,), or any measure of them such as 1/evaluations; in any order. errors: (n,), not negative; infinite or NaN
+    where a run has failed. floors: scalar or (n,), what rounding, or the reference, may make of an error.
+    uncertainties: scalar or (n,), standard errors of the errors. ceiling: errors from here on say nothing: what is
+    computed is no larger. ValueError for steps that are not positive or occur twice.
+    """
+    h, e = np.asarray(steps, dtype=np.float64), np.asarray(errors, dtype=np.float64)
+    floor, u = (np.broadcast_to(np.asarray(one, dtype=np.float64), e.shape) for one in (floors, uncertainties))
+    if not (h > 0).all() or np.unique(h).size < h.size:
+        raise ValueError("an order needs steps that are positive, and differ from each other")
+    clear = np.isfinite(e) & (e > 0) & (e < ceiling) & (e >= CLEAR * floor) & (e >= CLEAR * u)
+    rising = np.argsort(h)
+    first = next((k for k in range(h.size) if clear[rising[k]]), h.size)
+    last = next((k for k in range(first, h.size) if not clear[rising[k]]), h.size)
+    if last - first < FEWEST:
+        reason = f"{last - first} neighbouring runs have an error between {CLEAR:g} times its floor and "
+        reason += f"the size of what is computed; {FEWEST} are needed"
+        return Observed(np.nan, np.nan, (), reason)
+    candidates = [rising[first:end] for end in range(first + FEWEST, last + 1)]
+    unknown = np.hypot(u, floor / 3**0.5)  # a floor may add anything up to itself
+    found = [(_slope(np.log(h[one]), np.log(e[one]), unknown[one] / e[one]), one) for one in candidates]
+    (value, half), window = min(found, key=lambda pair: pair[0][1])
+    return Observed(value, half, tuple(int(one) for one in window))
+
+
+def _slope(x: Floats, y: Floats, u: Floats) -> tuple[float, float]:
+    """Slope of a line through points, and half the width of its interval; u: standard errors of y. (n,) each."""
+    value, weights = _line(x, y)
+    left = (y - y.mean()) - value * (x - x.mean())
+    scatter = float(np.sqrt((left**2).sum() / (x.size - 2) * (weights**2).sum()))
+    known = float(np.sqrt((weights**2 * u**2).sum()))
+    middle = x.size // 2
+    halves = [_line(x[part], y[part])[0] for part in (slice(None, middle + 1), slice(x.size - middle - 1, None))]
+    bend = _BEND * max(abs(one - value) for one in halves)
+    normal = student_quantile(1 - LEVEL, 1e6)
+    return value, float(np.hypot(student_quantile(1 - LEVEL, x.size - 2) * scatter, normal * known) + bend)
+
+
+def _line(x: Floats, y: Floats) -> tuple[float, Floats]:
+    """The slope of the least-squares line through points, and its weights: slope = weights . y."""
+    centred = x - x.mean()
+    weights = centred / (centred**2).sum()
+    return float(weights @ y), weights
 
 
 class Limit(NamedTuple):
