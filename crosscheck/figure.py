@@ -1,4 +1,4 @@
-"""Figures of a verdict: curves and histograms, particles at one time, or a field on a grid."""
+"""Figures of a verdict: curves and histograms, particles at one time, a field on a grid, or error against cost."""
 
 from __future__ import annotations
 
@@ -167,6 +167,42 @@ class FieldMap:
             object.__setattr__(self, "arrows", ([_four_digits(row) for row in u], [_four_digits(row) for row in v]))
 
 
+@dataclass(frozen=True)
+class Ladder:
+    """One method on a ladder of time steps, tolerances or durations: what each run cost, and how far it was off.
+
+    label: of the method. family: of methods that move a scene alike; methods of one family are drawn in one colour.
+    control: what is varied, as "dt". controls: (n,), its values, in the units of the scene. error: (n,), in the unit of
+    the figure's y label; not finite where the run failed. uncertainty: (n,), of the error, by rounding or its standard
+    error. cpu, cpu_low, cpu_high: (n,), median, least and largest CPU time of the repeats, s. count: (n,), what was
+    counted in a run, or empty. count_label: of what, as "evaluations of the force". failures: (n,), why a run failed or
+    means nothing, or "". ValueError if the lengths do not match.
+
+    Kept rounded to six digits.
+    """
+
+    label: str
+    family: str
+    control: str
+    controls: list[float]
+    error: list[float]
+    uncertainty: list[float]
+    cpu: list[float]
+    cpu_low: list[float]
+    cpu_high: list[float]
+    count: list[float]
+    count_label: str
+    failures: list[str]
+
+    def __post_init__(self) -> None:
+        numbers = [self.error, self.uncertainty, self.cpu, self.cpu_low, self.cpu_high]
+        lengths = {len(self.failures), *map(len, [*numbers, self.count] if self.count else numbers)}
+        if lengths != {len(self.controls)}:
+            raise ValueError(f"'{self.label}': a ladder of {len(self.controls)} runs has lists of {sorted(lengths)}")
+        for name in ("controls", "error", "uncertainty", "cpu", "cpu_low", "cpu_high", "count"):
+            object.__setattr__(self, name, [float(f"{v:.6g}") for v in getattr(self, name)])
+
+
 def _check_limits(limits: tuple[float, float] | None) -> None:
     if limits is not None and not -math.inf < limits[0] < limits[1] < math.inf:
         raise ValueError(f"the limits of a colour scale must be finite and rise, got {limits}")
@@ -181,9 +217,9 @@ class Figure:
     """A figure of a verdict: curves and histograms, or a snapshot, or a map.
 
     title: verdicts of one check whose figures have the same title share one set of axes for their curves; snapshots
-    and maps are drawn each by itself, lengths on both axes to one scale. x_label, y_label: what the axes show, with the
-    unit. x_scale, y_scale: of the axes of curves. series, snapshot, map: the content, one of the three; ValueError if
-    it is more than one.
+    and maps are drawn each by itself, lengths on both axes to one scale, and ladders of one title in one large figure.
+    x_label, y_label: what the axes show, with the unit. x_scale, y_scale: of the axes of curves. series, snapshot, map,
+    ladder: the content, one of the four; ValueError if it is more than one.
     """
 
     title: str
@@ -194,7 +230,9 @@ class Figure:
     series: tuple[Series | Histogram, ...] = ()
     snapshot: Snapshot | None = None
     map: FieldMap | None = None
+    ladder: Ladder | None = None
 
     def __post_init__(self) -> None:
-        if bool(self.series) + (self.snapshot is not None) + (self.map is not None) > 1:
-            raise ValueError(f"figure '{self.title}' holds more than one of series, snapshot and map")
+        others = sum(one is not None for one in (self.snapshot, self.map, self.ladder))
+        if bool(self.series) + others > 1:
+            raise ValueError(f"figure '{self.title}' holds more than one of series, snapshot, map and ladder")

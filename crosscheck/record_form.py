@@ -124,6 +124,28 @@ def _same_grids(field: dict[str, Any]) -> dict[str, Any]:
     return field
 
 
+class _Ladder(TypedDict):
+    label: str
+    family: str
+    control: str
+    controls: list[Number]
+    error: list[Number]
+    uncertainty: list[Number]
+    cpu: list[Number]
+    cpu_low: list[Number]
+    cpu_high: list[Number]
+    count: list[Number]
+    count_label: str
+    failures: list[str]
+
+
+def _same_rungs(ladder: dict[str, Any]) -> dict[str, Any]:
+    lists = [one for name, one in ladder.items() if isinstance(one, list) and not (name == "count" and not one)]
+    if len({len(one) for one in lists}) > 1:
+        raise ValueError("the lists of a ladder differ in length")
+    return ladder
+
+
 def _same_lengths(series: dict[str, Any]) -> dict[str, Any]:
     places, values, error = len(series["x"]), len(series["y"]), series.get("error")
     if values != places - bool(series.get("bins")) or (error is not None and len(error) != values):
@@ -140,6 +162,7 @@ class _Figure(TypedDict):
     series: list[Annotated[_Series, AfterValidator(_same_lengths)]]
     snapshot: NotRequired[Annotated[_Snapshot, AfterValidator(_same_numbers)] | None]
     map: NotRequired[Annotated[_Map, AfterValidator(_same_grids)] | None]
+    ladder: NotRequired[Annotated[_Ladder, AfterValidator(_same_rungs)] | None]
 
 
 class _Criterion(TypedDict):

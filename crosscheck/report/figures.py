@@ -159,7 +159,7 @@ def panels(lines: Iterable[Line], variant: Callable[[Line], str]) -> list[Panel]
     merged: dict[str, tuple[dict[str, Any], list[tuple[Line, dict[str, Any]]]]] = {}
     for line in sorted(lines, key=lambda line: (case_name(line), engine_order(line["engine"]))):
         for figure in line.get("figures") or ():
-            if figure.get("snapshot") or figure.get("map"):
+            if figure.get("snapshot") or figure.get("map") or figure.get("ladder"):
                 continue
             _, series = merged.setdefault(figure["title"], (figure, []))
             series += [(line, one) for one in figure["series"]]
@@ -370,7 +370,7 @@ def _ticks_and_limits(axis: Axis, scale: str, values: list[float]) -> tuple[floa
         decades = high - low
         axis.set_major_locator(LogLocator(subs=(1.0,) if decades > 2 else (1.0, 2.0, 5.0), numticks=7))
         axis.set_minor_locator(NullLocator())
-        axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value)))
         return 10 ** (low - margin), 10 ** (high + margin)
     finite = [value for value in values if math.isfinite(value)] or [0.0, 1.0]
     low, high = min(finite), max(finite)
@@ -382,8 +382,8 @@ def _ticks_and_limits(axis: Axis, scale: str, values: list[float]) -> tuple[floa
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def _power(value: float) -> str:
-    """A tick of a logarithmic axis, as plain text: 0.01, 10⁻⁵, 2×10⁶."""
+def tick_text(value: float) -> str:
+    """A tick of a logarithmic axis at `value`, as plain text: 0.01, 10⁻⁵, 2×10⁶."""
     mantissa, _, exponent = f"{value:.2e}".partition("e")
     if -2 <= int(exponent) <= 3:
         return f"{value:g}"

@@ -20,7 +20,7 @@ from crosscheck.engines.registry import engine_names, engine_order
 from crosscheck.errors import UsageError
 from crosscheck.files import naming
 from crosscheck.record import Line, case_name, deciding, is_left_out, read, worst_judgement
-from crosscheck.report import figures, pictures
+from crosscheck.report import figures, ladder_figure, ladders, pictures
 from crosscheck.report.catches import scores, together
 from crosscheck.report.pages import templates
 from crosscheck.runner import select
@@ -59,7 +59,7 @@ class Section:
 
     name: of the check. check: None if this version has none of that name. After an older version, whose name of a check
     ended in "-full", it is the check without that ending. anchor: the section's id in the page. lines: its verdicts.
-    drawings: its figures.
+    drawings: its figures. climbs: its cases of error against run time.
     """
 
     name: str
@@ -67,6 +67,7 @@ class Section:
     anchor: str
     lines: list[Line] = field(default_factory=list)
     drawings: list[figures.Drawing] = field(default_factory=list)
+    climbs: list[ladders.Case] = field(default_factory=list)
 
     @property
     def outcomes(self) -> list[tuple[str, int]]:
@@ -160,6 +161,10 @@ def render(lines: list[Line], title: str) -> str:
     others = [section for section in sections if not _is_work_precision(section.name)]
     for number, group in enumerate([precision, *([section] for section in others)]):
         _draw(group, f"f{number}")
+    for section in sections:
+        section.climbs = ladders.cases(section.name, section.anchor, section.lines)
+    climbs = [case for section in sections for case in section.climbs]
+    style = ladder_figure.style_of(climbs)
     environment = templates()
     environment.filters.update(
         kind=_kind,
@@ -168,6 +173,9 @@ def render(lines: list[Line], title: str) -> str:
         worst_judgement=worst_judgement,
         equation=_equation,
         links=_links,
+        large=lambda case, by_count=False: Markup(ladder_figure.draw(case, style, by_count=by_count)),
+        keys=lambda case: ladder_figure.legend(case, style),
+        power=ladders.power,
     )
     by_outcome = defaultdict(list)
     for section in sections:
@@ -182,6 +190,9 @@ def render(lines: list[Line], title: str) -> str:
         groups=_table(lines, lambda line: line["check"].partition("/")[0], str),
         skips=_skips(by_outcome["skip"]),
         precision=precision,
+        climbs=ladders.overview(climbs),
+        targets=ladders.TARGETS,
+        markers=Markup(ladder_figure.marker_definitions(style)),
         scores=scores(),
         together=together({one.check.name: one.check for one in sections if one.check is not None}.values()),
         sections=others,
