@@ -62,6 +62,8 @@ _INK, _GRID = "#010203", "#070809"
 WIDTH, _HEIGHT, _TALL = 440, 300, 370
 #: More curves than this get the tall axes.
 _CROWD = 8
+#: More curves than this get few markers: there are many beside each other.
+_THRONG = 40
 #: A logarithmic axis shows at most so many decades; what lies outside counts as off the scale.
 _DECADES = 24
 _DECADES_WITH_MINOR_TICKS = 4
@@ -430,7 +432,7 @@ def _plot(axes: Axes, panel: Panel, numbers: dict[str, int], markers: dict[str, 
             linewidth=1.4,
             linestyle=(0, DASHES[cycle % len(DASHES)]) if joined else "none",
             marker=markers[curve.engine] if several or not (many or curve.bins) else "none",
-            markevery=len(x) // 12 if many else None,
+            markevery=len(x) // (3 if len(panel.curves) > _THRONG else 12) if many else None,
             markersize=4.2 if curve.engine == panel.engines[0] else 6.5,
             markerfacecolor=colour if curve.engine == panel.engines[0] else "none",
             markeredgewidth=1.1,
@@ -487,23 +489,80 @@ def _inline(svg: str, title: str, height: int, prefix: str) -> str:
     used = set(re.findall(r"url\(#([^)]+)\)|href=\"#([^\"]+)\"", svg))
     needed = {name for pair in used for name in pair if name}
 
+    short = {name: f"{prefix}-{number}" for number, name in enumerate(sorted(needed))}
+
     def identity(match: re.Match[str]) -> str:
         name = match[1]
         if name in needed:
-            return f' id="{prefix}-{name}"'
+            return f' id="{short[name]}"'
         if re.fullmatch(r"k\d+-e\d+|t\d+", name):
             return f' class="s {name.replace("-", " ")}"'
         return ""
 
     svg = re.sub(r' id="([^"]*)"', identity, svg)
-    svg = re.sub(r'url\(#|href="#', lambda m: f"{m[0]}{prefix}-", svg)
+    svg = re.sub(r'(url\(#|href="#)([^)"]+)', lambda m: m[1] + short[m[2]], svg)
     svg = re.sub(r' (?:d|x|y|transform|width|height)="[^"]*"', lambda m: _rounded(m[0]), svg)
     svg = re.sub(r"font: ([\d.]+px) 'DejaVu Sans'[^;\"]*", r"font-size: \1", svg)
     svg = svg.replace(_INK, "currentColor").replace(_GRID, "var(--grid)")
     for number, (light, _) in enumerate(PALETTE):
         svg = svg.replace(light, f"var(--c{number})")
     svg = re.sub(r"<defs>\s*<style[^>]*>.*?</style>\s*</defs>", "", svg, flags=re.DOTALL)
-    return re.sub(r"\s*\n\s*", "\n", svg).strip()
+    return _compact(re.sub(r"\s*\n\s*", "\n", svg).strip())
+
+
+def _compact(svg: str) -> str:
+    """The same drawing in fewer bytes: a page has thousands of markers and points.
+
+    The style of the markers of a curve is said once, circles are circles in place of eight curves, and paths have no
+    spaces that do not separate numbers.
+    """
+    svg = svg.replace("stroke-dasharray: ; stroke-dashoffset: 0; ", "").replace("font-family: 'DejaVu Sans'; ", "")
+    svg = re.sub(r' transform="rotate\(-?0 [^)]*\)"', "", svg)
+    svg = re.sub(r'<path( id="[^"]*")? d="M 0 ([\d.]+)\n(?:C [^z]*?){8}z\n?"', _circle, svg)
+    svg = re.sub(r"(<g[^>]*)>\n((?:<use [^>]*/>\n)+)</g>", _one_style, svg)
+    svg = _with_dots(svg)
+    svg = re.sub(r' d="[^"]*"', lambda m: re.sub(r"\s*([MLCQHVzZ])\s*|\n", r"\1", m[0][4:-1]).join((' d="', '"')), svg)
+    svg = re.sub(r'style="[^"]*"', lambda m: m[0].replace(": ", ":").replace("; ", ";"), svg)
+    return re.sub(r">\n<", "><", svg)
+
+
+def _circle(match: re.Match[str]) -> str:
+    """A circle about the origin in place of its path."""
+    return f'<circle{match[1] or ""} r="{match[2]}"'
+
+
+def _one_style(match: re.Match[str]) -> str:
+    """A group of markers whose common style is that of the group."""
+    styles = set(re.findall(r' style="([^"]*)"', match[2]))
+    if len(styles) != 1 or " style=" in match[1]:
+        return match[0]
+    (style,) = styles
+    markers = match[2].replace(f' style="{style}"', "")
+    return f'{match[1]} style="{style}">\n{markers}</g>'
+
+
+def _with_dots(svg: str) -> str:
+    """The drawing with filled circles as paths of points with round ends, as wide as they are."""
+    radii = dict(re.findall(r'<circle id="([^"]+)" r="([\d.]+)"', svg))
+
+    def dots(match: re.Match[str]) -> str:
+        kinds = set(re.findall(r'href="#([^"]+)"', match[2]))
+        colours = re.findall(r"(?:fill|stroke): (var\(--c\d\));", match[1])
+        edge = re.search(r"stroke-width: ([\d.]+)", match[1])
+        filled = "fill-opacity" not in match[1] and len(colours) == 2 and colours[0] == colours[1]
+        if not filled or edge is None or len(kinds) != 1 or not kinds <= radii.keys():
+            return match[0]
+        path = "".join(f"M{x} {y}h0" for x, y in re.findall(r'x="([^"]*)" y="([^"]*)"', match[2]))
+        clip = re.search(r' clip-path="[^"]*"', match[1])
+        width = 2 * float(radii[kinds.pop()]) + float(edge[1])
+        style = f"fill: none; stroke: {colours[0]}; stroke-linecap: round; stroke-width: {width:.1f}"
+        return f'<path d="{path}"{clip[0] if clip else ""} style="{style}"/>'
+
+    svg = re.sub(r"(<g[^>]*)>\n((?:<use [^>]*/>\n)+)</g>", dots, svg)
+    for name in radii:
+        if f'"#{name}"' not in svg:
+            svg = re.sub(rf'<defs>\n<circle id="{name}"[^>]*/>\n</defs>\n', "", svg)
+    return svg
 
 
 def _rounded(text: str) -> str:

@@ -124,6 +124,11 @@ class Section:
         return str(line["variant"] or line["check"])
 
     @property
+    def short(self) -> str:
+        """What the ids of the criteria begin with: they are linked to from every judgement."""
+        return "k" + self.anchor.partition("-")[0][1:]
+
+    @property
     def of_a_scene(self) -> bool:
         """Whether it judges a scene of a user's own, see docs/simulate.md."""
         return self.name.startswith(OF_SCENES)
@@ -181,7 +186,7 @@ def render(lines: list[Line], title: str) -> str:
     for section in sections:
         for line in section.lines:
             by_outcome[line["outcome"]].append((section, line))
-    return environment.get_template("template.html.j2").render(
+    page = environment.get_template("template.html.j2").render(
         name=title,
         lines=lines,
         by_outcome=by_outcome,
@@ -206,6 +211,13 @@ def render(lines: list[Line], title: str) -> str:
         dates=sorted(line["time"] for line in lines)[:: max(1, len(lines) - 1)],
         cost=sum(line["cost"].get("seconds") or 0.0 for line in lines),
     )
+    return _without_optional_tags(page)
+
+
+def _without_optional_tags(page: str) -> str:
+    """The page without ends of cells and rows that HTML lets out: of the tables of a full run, a tenth."""
+    page = re.sub(r"</t[dh]>\s*(?=<t[dh][ >]|</tr>)", "", page)
+    return re.sub(r"</tr>\s*(?=<tr[ >]|</tbody>|</thead>)", "", page)
 
 
 # -- verdicts, sorted ----------------------------------------------------------------------------------------

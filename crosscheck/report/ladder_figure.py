@@ -236,7 +236,8 @@ def _bars(point: Point, x: Axis, y: Axis, across: float, up: float, *, timed: bo
             path += f"M{left:.1f} {up:.1f}H{right:.1f}"
     if point.uncertainty > 0:
         top = y.place(point.error + point.uncertainty)
-        bottom = y.place(max(point.error - point.uncertainty, _LEAST))
+        # an error that may be nothing but this has no lower end
+        bottom = y.place(point.error - point.uncertainty) if point.error > point.uncertainty else up
         if bottom - top > 2 * _SHORT:
             path += f"M{across:.1f} {top:.1f}V{bottom:.1f}"
     return path

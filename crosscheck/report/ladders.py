@@ -60,7 +60,8 @@ class Climb:
     """The ladder of one method in a case.
 
     engine, label: of the method. family: of methods that are drawn alike. control: name of what is varied. points: the
-    runs, in the order of the ladder. count_label: what was counted. command: that runs it again.
+    runs, in the order of the ladder. count_label: what was counted. case, options: of the command that runs it again:
+    `crosscheck run CASE OPTIONS`.
     """
 
     engine: str
@@ -69,7 +70,8 @@ class Climb:
     control: str
     points: tuple[Point, ...]
     count_label: str
-    command: str
+    case: str
+    options: str
 
     @property
     def name(self) -> str:
@@ -157,6 +159,18 @@ class Case:
     def families(self) -> list[str]:
         """The families of methods, in the order of their names."""
         return sorted({climb.family for climb in self.climbs})
+
+    @property
+    def commands(self) -> list[tuple[str, list[str]]]:
+        """Commands that run the methods again, each with the names that METHOD stands for in it; one: as it is."""
+        found: dict[tuple[str, str], list[str]] = {}
+        for climb in self.climbs:
+            check, _, method = climb.case.rpartition("/")
+            found.setdefault((check, climb.options), []).append(method)
+        return [
+            (f"crosscheck run {check}/{methods[0] if len(methods) == 1 else 'METHOD'} {options}", methods)
+            for (check, options), methods in found.items()
+        ]
 
     @property
     def failed(self) -> int:
@@ -312,9 +326,8 @@ def _climb(line: Line, ladder: dict[str, Any]) -> Climb:
             zip(*columns, strict=True), ladder["failures"], strict=True
         )
     ]
-    words = ["crosscheck", "run", case_name(line)]
-    words += ["--tier", line["tier"]] if line["tier"] != "quick" else []
-    words += ["--engine", line["engine"], "--seed", str(line["provenance"].get("seed", 0))]
+    options = ["--tier", line["tier"]] if line["tier"] != "quick" else []
+    options += ["--engine", line["engine"], "--seed", str(line["provenance"].get("seed", 0))]
     return Climb(
         line["engine"],
         ladder["label"],
@@ -322,7 +335,8 @@ def _climb(line: Line, ladder: dict[str, Any]) -> Climb:
         ladder["control"],
         tuple(points),
         ladder["count_label"],
-        shlex.join(words),
+        case_name(line),
+        shlex.join(options),
     )
 
 

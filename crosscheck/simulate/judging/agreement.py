@@ -32,6 +32,7 @@ from crosscheck.simulate.judging.ladder import (
     first_extras,
     halved,
     ladder,
+    looser,
     rounding_growth,
     twin_of,
 )
@@ -254,7 +255,10 @@ def _of_other_steps(one: Trial, other: Trial) -> Judgement:
     time = both[0].run["time"]
     note = f"until t = {time[known - 1]:g} of {one.scene.duration:g}: {away.max() / length:.2g} of the {unit}; largest "
     note += f"share at t = {time[worst]:g}, {away[worst] / length:.2g} where {allowed[worst] / length:.2g} is explained"
-    why = "twice (late kicks: four times) what halving dt changes, and rounding errors as they grow in a twin, of both"
+    why = (
+        "twice (late kicks: four times) what halving dt changes, or what ten times the tolerance does, and rounding "
+        "errors as they grow in a twin, of both"
+    )
     name = "distance of the paths over what dt and rounding explain, largest"
     return bounded(name, float(share.max()), 1.0, why, note=note)
 
@@ -282,6 +286,10 @@ def _beginning(trial: Trial, scene: Scene) -> _Beginning:
 
 def _off(trial: Trial, beginning: _Beginning) -> Floats:
     """How far a run may be off at each sample of its beginning, (samples,), length."""
+    if trial.kind == "adaptive":  # what ten times the tolerance changes is more than what is left of it
+        return np.asarray(
+            np.maximum.accumulate(apart(beginning.run, trial.make(looser(trial, beginning.scene)))) + beginning.rounding
+        )
     if trial.method.dt is None:
         return beginning.rounding
     run, half = beginning.run, trial.make(halved(trial, beginning.scene))

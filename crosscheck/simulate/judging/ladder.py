@@ -233,6 +233,13 @@ def halved(trial: Trial, scene: Scene) -> Extra:
     return _rung(trial, scene, 1)
 
 
+def looser(trial: Trial, scene: Scene) -> Extra:
+    """The run of `scene`, another one of the trial's, with ten times the tolerance, of a scheme that takes one."""
+    method = trial.method.model_copy(update={"tolerance": min(10 * trial.method.allowed, 0.5)})
+    changed = scene.model_copy(update={"method": method})
+    return Extra("ten times the tolerance", changed, method, trial.seconds(scene.duration))
+
+
 def _with_horizon(trial: Trial) -> tuple[Scene, int] | None:
     """The beginning with enough samples within the horizon, and their number; None: too few steps, or no motion."""
     duration = trial.scene.duration

@@ -19,7 +19,7 @@ def climb(errors: list[float], cpu: list[float], engine: str = "refimpl", label:
         Point(0.1 / 2**k, error, 0.0, time, time, time, 100.0 * 2**k, failure)
         for k, (error, time, failure) in enumerate(zip(errors, cpu, failures, strict=True))
     )
-    return Climb(engine, label, "symplectic", "dt", points, "evaluations", f"crosscheck run {label}")
+    return Climb(engine, label, "symplectic", "dt", points, "evaluations", f"c/{label}", f"--engine {engine}")
 
 
 def case(*climbs: Climb) -> Case:
@@ -91,6 +91,14 @@ def test_rows_and_sentences() -> None:
     assert last == "The smallest error of all is 1e-13."
 
 
+def test_commands_are_said_once_an_engine() -> None:
+    found = case(climb([1.0], [1.0]), climb([1.0], [1.0], label="euler"), climb([1.0], [1.0], "scipy", "RK45"))
+    assert found.commands == [
+        ("crosscheck run c/METHOD --engine refimpl", ["verlet", "euler"]),
+        ("crosscheck run c/RK45 --engine scipy", ["RK45"]),
+    ]
+
+
 def test_averages_are_compared_at_every_decade() -> None:
     found = case(climb([0.3, 0.15, 0.04], [1.0, 4.0, 64.0]))
     assert [row.target for row in found.rows] == pytest.approx([0.1])
@@ -108,9 +116,8 @@ def test_cases_of_a_record() -> None:
     }  # fmt: skip
     (found,) = cases("performance/work-precision-kepler", "c1", [line, line | {"figures": []}])
     (only,) = found.climbs
-    assert only.command == (
-        "crosscheck run performance/work-precision-kepler/verlet --tier full --engine refimpl --seed 3"
-    )
+    command = "crosscheck run performance/work-precision-kepler/verlet --tier full --engine refimpl --seed 3"
+    assert found.commands == [(command, ["verlet"])]
     assert (found.runs, found.failed) == (2, 1)
     assert math.isnan(only.points[1].count)
     ((_, cells),) = overview([found], (1e-2, 1e-4))

@@ -19,6 +19,8 @@ def _auditor(trial: Trial) -> ModuleType:
 
 
 def _excuse(trial: Trial) -> str | None:
+    if trial.kind == "adaptive":
+        return f"scheme {trial.method.scheme} chooses its own steps, which no run shows"
     if trial.run.diverged:
         return trial.broken
     if trial.end <= 0:
@@ -33,6 +35,8 @@ def _judge(trial: Trial) -> Judged:
 
 
 def _extra(trial: Trial) -> Iterable[Extra]:
+    if trial.kind == "adaptive":
+        return []
     extras: Iterable[Extra] = _auditor(trial).extras(trial)
     return extras
 

@@ -13,7 +13,15 @@ from crosscheck.engines.protocol import Run
 from crosscheck.references import EPSILON
 from crosscheck.scene import Method
 from crosscheck.simulate import conserved
-from crosscheck.simulate.judging.ladder import continuous_energy, energy_of, first_extras, is_cut, ladder, recorded
+from crosscheck.simulate.judging.ladder import (
+    continuous_energy,
+    energy_of,
+    first_extras,
+    is_cut,
+    ladder,
+    looser,
+    recorded,
+)
 from crosscheck.simulate.judging.law import Law, none_there
 from crosscheck.simulate.judging.recording import in_steps
 from crosscheck.simulate.judging.rounding import of_forces
@@ -67,6 +75,8 @@ def _excuse(trial: Trial) -> str | None:
 
 
 def _judge(trial: Trial) -> Judged:
+    if trial.kind == "adaptive":
+        return _by_tolerance(trial)
     if trial.kind != "stepping":
         return _by_rounding(trial)
     if conserved.energy(trial.scene, trial.method) == "lost":
@@ -99,6 +109,32 @@ def _by_rounding(trial: Trial) -> Judged:
         return round_off(f"{name}, relative", float(np.abs(change).max()) / scale, rounding, why)
     grown = float((energy - np.minimum.accumulate(energy)).max())
     return round_off("growth of an energy that can only be lost, relative", grown / scale, rounding, why)
+
+
+# -- with a tolerance --------------------------------------------------------------------------------------------------
+
+
+def _by_tolerance(trial: Trial) -> Judged:
+    """The error of the energy, beside that with ten times the tolerance: it falls as its power 3/4 at least."""
+    kept = conserved.energy(trial.scene, trial.method) == "kept"
+
+    def off(run: Run) -> float:
+        energy = energy_of(run)
+        return float((np.abs(energy - energy[0]) if kept else energy - np.minimum.accumulate(energy)).max())
+
+    loose = trial.make(looser(trial, trial.scene))
+    if loose.diverged or loose.stopped:
+        return _unknown("the run with ten times the tolerance ended before its time")
+    rounding = _rounding(trial, trial.run, trial.end)
+    name = "error of the energy" if kept else "growth of an energy that can only be lost"
+    return bounded(
+        f"{name}, over what ten times the tolerance and rounding leave of it",
+        off(trial.run),
+        off(loose) / 2 + rounding,
+        "a tenth of the tolerance leaves a sixth of an error that follows it, and all of one that does not: half is "
+        "between them",
+        note=f"tolerance {trial.method.allowed:g}",
+    )
 
 
 # -- with time steps ---------------------------------------------------------------------------------------------------
@@ -221,6 +257,8 @@ def _unknown(reason: str) -> Judged:
 
 
 def _extra(trial: Trial) -> Iterable[Extra]:
+    if trial.kind == "adaptive":
+        return [looser(trial, trial.scene)]
     if trial.kind != "stepping":
         return []
     many = conserved.energy(trial.scene, trial.method) == "kept" and trial.scene.number >= MANY
