@@ -141,7 +141,8 @@ class FieldMap:
     values: values[row][column], rows from the bottom up, columns from left to right; a cell that is not finite is left
     blank. container: the frame around the field. value_label: name and unit of the values. limits: as in `Snapshot`.
     arrows: the two components u[row][column], v[row][column] of a vector field on a grid over the same container, as
-    fine or coarser. arrow_label: name of the vector field.
+    fine or coarser. arrow_label: name of the vector field. lines: curves over the field, in the coordinates of the
+    container, as an expected boundary between two regions.
 
     Kept rounded to four digits. ValueError unless the rows of a grid are equally long, u and v have one shape, and the
     limits are finite and rising.
@@ -153,6 +154,7 @@ class FieldMap:
     limits: tuple[float, float] | None = None
     arrows: tuple[list[list[float]], list[list[float]]] | None = None
     arrow_label: str = ""
+    lines: tuple[Series, ...] = ()
 
     def __post_init__(self) -> None:
         _check_limits(self.limits)

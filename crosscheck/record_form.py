@@ -108,6 +108,13 @@ def _rectangle(rows: list[list[Number]]) -> list[list[Number]]:
 _Grid = Annotated[list[list[Number]], AfterValidator(_rectangle)]
 
 
+def _same_lengths(series: dict[str, Any]) -> dict[str, Any]:
+    places, values, error = len(series["x"]), len(series["y"]), series.get("error")
+    if values != places - bool(series.get("bins")) or (error is not None and len(error) != values):
+        raise ValueError("x, y and error differ in length")
+    return series
+
+
 class _Map(TypedDict):
     values: _Grid
     container: _Container
@@ -115,6 +122,7 @@ class _Map(TypedDict):
     limits: _Limits
     arrows: Annotated[list[_Grid], Field(min_length=2, max_length=2)] | None
     arrow_label: str
+    lines: NotRequired[list[Annotated[_Series, AfterValidator(_same_lengths)]]]
 
 
 def _same_grids(field: dict[str, Any]) -> dict[str, Any]:
@@ -144,13 +152,6 @@ def _same_rungs(ladder: dict[str, Any]) -> dict[str, Any]:
     if len({len(one) for one in lists}) > 1:
         raise ValueError("the lists of a ladder differ in length")
     return ladder
-
-
-def _same_lengths(series: dict[str, Any]) -> dict[str, Any]:
-    places, values, error = len(series["x"]), len(series["y"]), series.get("error")
-    if values != places - bool(series.get("bins")) or (error is not None and len(error) != values):
-        raise ValueError("x, y and error differ in length")
-    return series
 
 
 class _Figure(TypedDict):

@@ -342,6 +342,9 @@ def _draw_map(picture: Picture, field: dict[str, Any], prefix: str) -> Drawing:
                 f'<use href="#{prefix}-arrows" style="stroke:black" stroke-width="11"/></g>'
             )
         remarks.append(f"Arrows: {field['arrow_label'] or 'vector field'}; the longest is {plain(longest, 3)}.")
+    if field.get("lines"):
+        content += _lines(field["lines"], layout, prefix)
+        remarks.append(f"Line: {', '.join(dict.fromkeys(line['label'] for line in field['lines']))}.")
     if limits is not None:
         content += _colour_bar(layout, outside)
     svg = _compose(layout, picture, limits, field["value_label"], content, prefix)
@@ -380,6 +383,24 @@ def _arrows(arrows: list[list[list[float | None]]], bounds: tuple[float, ...], l
         (ax, ay), (bx, by) = barbs
         path += f"l{ax} {ay}m{-ax} {-ay}l{bx} {by}"
     return path, longest
+
+
+def _lines(lines: list[dict[str, Any]], layout: Layout, prefix: str) -> str:
+    """Curves over a map, broken where a point is not finite, light about dark: seen on every colour of it."""
+    path = ""
+    for line in lines:
+        pen = "M"
+        for x, y in zip(map(number, line["x"]), map(number, line["y"]), strict=True):
+            if not (math.isfinite(x) and math.isfinite(y)):
+                pen = "M"
+                continue
+            path += "{}{} {}".format(pen, *layout.at(x, y))
+            pen = "L"
+    return (
+        f'<defs><path id="{prefix}-lines" d="{path}" fill="none"/></defs><g stroke-linejoin="round">'
+        f'<use href="#{prefix}-lines" style="stroke:white" stroke-width="34"/>'
+        f'<use href="#{prefix}-lines" style="stroke:black" stroke-width="14"/></g>'
+    )
 
 
 def _outliers(outside: tuple[int, int], limits: Sequence[float] | None) -> list[str]:
