@@ -21,22 +21,26 @@ Floats: TypeAlias = NDArray[np.float64]
 
 
 def _states(density: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
-    """d (...) and u (..., 2), broadcast."""
+    """d (...) and u (..., 2), broadcast; 0 and 1 are mean occupations only of a gas at rest."""
     d, u = np.asarray(density, dtype=np.float64), np.asarray(velocity, dtype=np.float64)
-    wrong = ~((d > 0) & (d < 1))
+    wrong = ~((d >= 0) & (d <= 1))
     if wrong.any():
         raise ValueError(f"the mean occupation must be between 0 and 1, got {d[wrong][0]}")
     if u.ndim == 0 or u.shape[-1] != 2:
         raise ValueError(f"a velocity has two components on the last axis, got an array of shape {u.shape}")
     shape = np.broadcast_shapes(d.shape, u.shape[:-1])
-    return np.broadcast_to(d, shape), np.broadcast_to(u, (*shape, 2))
+    d, u = np.broadcast_to(d, shape), np.broadcast_to(u, (*shape, 2))
+    stuck = ((d == 0) | (d == 1)) & u.any(axis=-1)
+    if stuck.any():
+        raise ValueError(f"no occupations have mean {d[stuck][0]} and velocity {tuple(u[stuck][0].tolist())}")
+    return d, u
 
 
 def fermi_dirac(velocities: VelocitySet, density: ArrayLike, velocity: ArrayLike) -> Floats:
     """Equilibrium f_i = 1/(1 + exp(h + q.c_i)) with sum_i f_i = b d, sum_i f_i c_i = b d u; (..., b).
 
     velocities: the set. density: d (...). velocity: u (..., 2). The latter two are broadcast. The sums are met to about
-    1e-15 b d. ValueError where d is not between 0 and 1, and where no occupations between 0 and 1 have this density and
+    1e-15 b d. ValueError where d is not in [0, 1], and where no occupations between 0 and 1 have this density and
     this velocity.
     """
     d, u = _states(density, velocity)

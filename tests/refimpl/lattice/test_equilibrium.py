@@ -91,8 +91,10 @@ def test_fermi_dirac_at_half_filling_by_hand() -> None:
 @pytest.mark.parametrize(
     ("density", "velocity", "message"),
     [
-        (0.0, (0, 0), "between 0 and 1, got 0.0"),
-        ([0.3, 1.0], (0, 0), "between 0 and 1, got 1.0"),
+        (-0.1, (0, 0), "between 0 and 1, got -0.1"),
+        ([0.3, 1.1], (0, 0), "between 0 and 1, got 1.1"),
+        (0.0, (0.1, 0), r"mean 0.0 and velocity \(0.1, 0.0\)"),
+        ([0.3, 1.0], (0, 0.1), r"mean 1.0 and velocity \(0.0, 0.1\)"),
         (math.nan, (0, 0), "between 0 and 1, got nan"),
         (0.5, (0.67, 0), r"mean 0.5 and velocity \(0.67, 0.0\)"),
         ([0.5, 0.1], [(0.1, 0.1), (0.0, -0.87)], r"mean 0.1 and velocity \(0.0, -0.87\)"),
@@ -108,6 +110,12 @@ def test_states_that_there_are_not(density: float, velocity: tuple[float, ...], 
     with pytest.raises(ValueError, match=message):
         fermi_dirac(TRIANGULAR, density, velocity)
     fermi_dirac(TRIANGULAR, 0.5, (0.66, 0))
+
+
+@every_set
+def test_empty_and_full_lattices_are_at_rest(velocities: VelocitySet) -> None:
+    found = fermi_dirac(velocities, [0.0, 0.5, 1.0], [0.0, 0.0])
+    np.testing.assert_array_equal(found, np.repeat([[0.0], [0.5], [1.0]], velocities.channels, axis=1))
 
 
 @every_set
