@@ -117,11 +117,17 @@ def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
         squares = squares[model.inverse_masses > 0]
     square = float(np.mean(squares))
     length = max(model.lengths)
-    lightest = 1.0 / model.mass if model.inverse_masses is None else float(model.inverse_masses.max())
     if model.acceleration is not None:
         square += 2.0 * length * math.hypot(*model.acceleration)
-    if model.well is not None:
-        square += 4.0 * abs(model.well.depth) * lightest
+    square += _square_given(model)
+    counted = max(length, min(SMALL_BOX * model.diameter, length * FEW / len(velocities)))
+    return counted / math.sqrt(square) if square > 0 else math.inf
+
+
+def _square_given(model: HardSpheres) -> float:
+    """Square of the speed that wells, moving walls and warm walls give."""
+    lightest = 1.0 / model.mass if model.inverse_masses is None else float(model.inverse_masses.max())
+    square = 0.0 if model.well is None else 4.0 * abs(model.well.depth) * lightest
     if model.walls is not None:
         numbers = model.walls.numbers
         square += float(
@@ -131,16 +137,16 @@ def time_to_cross(model: HardSpheres, velocities: Floats) -> float:
                 + numbers[:, TEMPERATURE] * lightest
             )
         )
-    counted = max(length, min(SMALL_BOX * model.diameter, length * FEW / len(velocities)))
-    return counted / math.sqrt(square) if square > 0 else math.inf
+    return square
 
 
 def shortest_time(model: HardSpheres, velocities: Floats, crossing: float) -> float:
     """Two collisions of a particle that are nearer in time than this are one instant.
 
-    velocities: (N, d or more components). crossing: their `time_to_cross`.
+    velocities: (N, d or more components). crossing: their `time_to_cross`. Particles that creep may soon be as
+    fast as walls and wells make them, before this is asked again.
     """
-    speed = rms_speed(velocities)
+    speed = math.sqrt(rms_speed(velocities) ** 2 + _square_given(model))
     size = model.diameter or max(model.lengths)
     times = [size / speed] if speed > 0 else []
     if model.acceleration is not None and any(model.acceleration):

@@ -69,3 +69,14 @@ def test_an_oscillating_floor(model: Any, flights_of_a_ball: Ball, axis: int, le
     short = flights < limit
     assert short[-FLIGHTS:].all()
     assert not short[-FLIGHTS - 1]
+
+
+def test_a_particle_that_creeps_to_a_wall_that_pushes_does_not_collapse(plain_module: Any, model: Any) -> None:
+    """What is one instant at its speed is a second at that of the wall: hits of the wall are not a collapse."""
+    faces = [model.Face(velocity=1.0), model.Face(restitution=0.5), None, None]
+    scene = model.hard_spheres(lengths=(8.0, 4.0), periodic=[False, True], diameters=1.0, faces=faces)
+    creeping = np.array([[-(2.0**-38), 0.0]])
+    simulation = plain_module("refimpl.events.simulation").Simulation(scene, np.array([[4.0, 2.0]]), creeping)
+    simulation.run(until=3.5 * 2.0**38 + 1000.0)
+    assert simulation.stopped == ""
+    assert simulation.interactions > 200
