@@ -132,7 +132,9 @@ class Simulation:
         self._tallies = self._fields = None
         if tallies or fields is not None:
             faces = 2 * d + (model.cylinder is not None)
-            self._tallies = measure.Tallies(np.zeros(measure.SUMS), np.zeros((faces, 5)))
+            self._tallies = measure.Tallies(
+                np.zeros(measure.SUMS), np.zeros((faces, 5)), np.zeros(measure.SUMS), np.zeros((faces, 5))
+            )
         if fields is not None:
             self._fields = _fields(fields, blocks, self._grid, n, ints)
         self._anchor_tallies()
@@ -306,9 +308,9 @@ class Simulation:
         if self._counting is not None:
             self._counting[:] = 0
         if self._tallies is not None:
-            self._tallies.sums[:] = 0.0
+            for sums in self._tallies:
+                sums[:] = 0.0
             self._tallies.sums[measure.SINCE] = self._now
-            self._tallies.walls[:] = 0.0
         if self._fields is not None:
             for sums in self._fields:
                 if isinstance(sums, np.ndarray) and sums is not self._particles.ints:
@@ -440,7 +442,7 @@ class Simulation:
         if self._tallies is None:
             raise ValueError("nothing was measured: give tallies=True")
         measure.accumulate(self._tallies, self._now)
-        sums, walls = self._tallies
+        sums, walls = self._tallies.sums + self._tallies.rests, self._tallies.walls + self._tallies.wall_rests
         return {
             "collisions": self.collisions,
             "events": self.events,

@@ -234,8 +234,8 @@ CHECKS = (
                 Fault(
                     "torque-at-the-centre",
                     "events/kernels/measure.py",
-                    "sums[TORQUE] += stretch * (x * py - y * px)",
-                    "sums[TORQUE] += 0.8 * stretch * (x * py - y * px)",
+                    "_add(tallies, TORQUE, stretch * (x * py - y * px))",
+                    "_add(tallies, TORQUE, 0.8 * stretch * (x * py - y * px))",
                     "the torque is taken with an arm that is too short",
                 ),
             ),

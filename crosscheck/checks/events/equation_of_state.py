@@ -83,8 +83,8 @@ def _virial_fault(percent: float) -> Fault:
     return Fault(
         f"virial-{percent:g}-percent",
         "events/kernels/measure.py",
-        "sums[VIRIAL] += distance * (px * x + py * y + pz * z)",
-        f"sums[VIRIAL] += {1 + percent / 100} * distance * (px * x + py * y + pz * z)",
+        "_add(tallies, VIRIAL, distance * (px * x + py * y + pz * z))",
+        f"_add(tallies, VIRIAL, {1 + percent / 100} * distance * (px * x + py * y + pz * z))",
         f"the collisional virial is {percent:g} % too large",
     )
 

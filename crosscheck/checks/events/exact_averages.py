@@ -129,8 +129,8 @@ CHECKS = (
                 Fault(
                     "walls-do-not-lift",
                     "events/kernels/measure.py",
-                    "sums[RISE] += _along(model.acceleration, px, py, pz)",
-                    "sums[RISE] += 0.999 * _along(model.acceleration, px, py, pz)",
+                    "_add(tallies, RISE, _along(model.acceleration, px, py, pz))",
+                    "_add(tallies, RISE, 0.999 * _along(model.acceleration, px, py, pz))",
                     "the moment of the field takes a thousandth too little from wall hits",
                 ),
             ),

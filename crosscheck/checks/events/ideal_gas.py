@@ -224,12 +224,12 @@ def _scaling_figure(scaling: _Scaling, p: Floats, u: Floats) -> Figure:
 
 def _impulse_fault(axis: int) -> Fault:
     name = "xyz"[axis]
-    old = f"walls[face, {axis}] -= p{name}"
+    old = f"_add_to_wall(tallies, face, {axis}, -p{name})"
     return Fault(
         f"impulse-{name}-0.1-percent",
         "events/kernels/measure.py",
         old,
-        old.replace("-= ", "-= 1.001 * "),
+        old.replace("-p", "-1.001 * p"),
         f"impulses on walls along {name} are 0.1 % too large",
     )
 

@@ -95,8 +95,8 @@ CHECKS = (
                 Fault(
                     "drag-cut",
                     "events/kernels/measure.py",
-                    "walls[face, 0] -= px",
-                    "walls[face, 0] -= 0.9 * px",
+                    "_add_to_wall(tallies, face, 0, -px)",
+                    "_add_to_wall(tallies, face, 0, -0.9 * px)",
                     "walls are told of nine tenths of the momentum along x that they get",
                 ),
             ),

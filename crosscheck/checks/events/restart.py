@@ -61,8 +61,8 @@ CHECKS = (
                 Fault(
                     "integrals-since-the-first-start",
                     "events/simulation.py",
-                    "            self._tallies.sums[measure.SINCE] = self._now\n            self._tallies.walls",
-                    "            self._tallies.walls",
+                    "            self._tallies.sums[measure.SINCE] = self._now\n        if",
+                    "        if",
                     "after a restart, integrals over time begin at the very first start",
                 ),
             ),

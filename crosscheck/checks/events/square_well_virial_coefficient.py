@@ -103,8 +103,8 @@ CHECKS = (
                 Fault(
                     "virial-of-the-core-only",
                     "events/kernels/measure.py",
-                    "        sums[VIRIAL] += impulse * distance\n",
-                    "        sums[VIRIAL] += 0.7 * impulse * distance\n",
+                    "        _add(tallies, VIRIAL, impulse * distance)\n",
+                    "        _add(tallies, VIRIAL, 0.7 * impulse * distance)\n",
                     "30 % of the well's part of the virial is missing",
                 ),
             ),

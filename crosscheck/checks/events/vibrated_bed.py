@@ -239,8 +239,8 @@ CHECKS = (
                 Fault(
                     "one-partner-loses",
                     "events/kernels/measure.py",
-                    "sums[DISSIPATED] += lost_i + lost_j",
-                    "sums[DISSIPATED] += 2.0 * lost_i",
+                    "_add(tallies, DISSIPATED, lost_i + lost_j)",
+                    "_add(tallies, DISSIPATED, 2.0 * lost_i)",
                     "the loss of a pair is taken as twice that of one partner",
                 ),
             ),
@@ -249,8 +249,8 @@ CHECKS = (
                 Fault(
                     "height-drifts",
                     "events/kernels/measure.py",
-                    "sums[HEIGHT] += s * (sums[RISE] + 0.5 * s * sums[PULL])",
-                    "sums[HEIGHT] += s * (sums[RISE] + s * sums[PULL])",
+                    "_add(tallies, HEIGHT, s * (sums[RISE] + 0.5 * s * sums[PULL]))",
+                    "_add(tallies, HEIGHT, s * (sums[RISE] + s * sums[PULL]))",
                     "the moment of the field is taken along a parabola that falls twice as fast",
                 ),
             ),

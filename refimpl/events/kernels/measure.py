@@ -25,12 +25,17 @@ WALL_ENERGY, WALL_COUNT = 3, 4
 class Tallies(NamedTuple):
     """sums: see the names above. walls: (faces, 5) momentum given to the face, energy got from it, collisions.
 
+    rests, wall_rests: what these sums lack by rounding, of the same shapes, so that they lose no digits however many
+    events there are (Knuth, The Art of Computer Programming, vol. 2, 4.2.2; A. Neumaier, ZAMM 54, 39 (1974)).
+
     Between events the energy E = kinetic + rotational + field is constant, and so is that of the wells; the moment of
     the field, S = sum m g.x, is a parabola: dS/dt = RISE, d2S/dt2 = PULL. Hence int K dt = int E dt + int S dt exactly.
     """
 
     sums: Any
     walls: Any
+    rests: Any
+    wall_rests: Any
 
 
 class Fields(NamedTuple):
@@ -87,20 +92,44 @@ def _translational_energy(model: Any, rows: Any, i: int) -> float:
 
 
 @inline_internal
-def _accumulate(sums: Any, now: float) -> None:
+def _lacking(high: float, more: float, total: float) -> float:
+    """What `total`, the rounded high + more, lacks: exact."""
+    part = total - high
+    return (high - (total - part)) + (more - part)
+
+
+@inline_internal
+def _add(tallies: Any, entry: int, more: float) -> None:
+    """Adds to a sum."""
+    total = tallies.sums[entry] + more
+    tallies.rests[entry] += _lacking(tallies.sums[entry], more, total)
+    tallies.sums[entry] = total
+
+
+@inline_internal
+def _add_to_wall(tallies: Any, face: int, column: int, more: float) -> None:
+    """Adds to a sum of a face."""
+    total = tallies.walls[face, column] + more
+    tallies.wall_rests[face, column] += _lacking(tallies.walls[face, column], more, total)
+    tallies.walls[face, column] = total
+
+
+@inline_internal
+def _accumulate(tallies: Any, now: float) -> None:
+    sums = tallies.sums
     s = now - sums[SINCE]
-    sums[ENERGY_TIME] += sums[ENERGY] * s
-    sums[WELLS_TIME] += sums[WELLS] * s
-    sums[FIELD_TIME] -= s * (sums[HEIGHT] + s * (0.5 * sums[RISE] + s * sums[PULL] / 6.0))
-    sums[HEIGHT] += s * (sums[RISE] + 0.5 * s * sums[PULL])
-    sums[RISE] += s * sums[PULL]
+    _add(tallies, ENERGY_TIME, sums[ENERGY] * s)
+    _add(tallies, WELLS_TIME, sums[WELLS] * s)
+    _add(tallies, FIELD_TIME, -s * (sums[HEIGHT] + s * (0.5 * sums[RISE] + s * sums[PULL] / 6.0)))
+    _add(tallies, HEIGHT, s * (sums[RISE] + 0.5 * s * sums[PULL]))
+    _add(tallies, RISE, s * sums[PULL])
     sums[SINCE] = now
 
 
 @kernel
 def accumulate(tallies: Any, now: float) -> None:
     """Brings the time integrals to the present."""
-    _accumulate(tallies.sums, now)
+    _accumulate(tallies, now)
 
 
 # -- pairs -----------------------------------------------------------------------------------------
@@ -110,7 +139,7 @@ def accumulate(tallies: Any, now: float) -> None:
 def note_pair_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, j: int, now: float) -> None:
     """Before the velocities of a pair change; both states are at the present."""
     if tallies is not None:
-        _accumulate(tallies.sums, now)
+        _accumulate(tallies, now)
         tallies.sums[BEFORE] = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i)
         tallies.sums[OTHER_BEFORE] = _translational_energy(model, rows, j) + _rotational_energy(
             model.rough, spins, model, j
@@ -136,9 +165,9 @@ def note_pair_after(
         )
         contact = contact_distance(model.diameter, model.radii, i, j)
         sums[DEEPEST] = max(sums[DEEPEST], (contact - distance) / contact)
-        sums[VIRIAL] += distance * (px * x + py * y + pz * z)
-        sums[DISSIPATED] += lost_i + lost_j
-        sums[ENERGY] -= lost_i + lost_j
+        _add(tallies, VIRIAL, distance * (px * x + py * y + pz * z))
+        _add(tallies, DISSIPATED, lost_i + lost_j)
+        _add(tallies, ENERGY, -(lost_i + lost_j))
         _pair_fields(fields, model, rows, i, j, n, distance, impulse, (lost_i, lost_j), lost_i + lost_j, 1)
 
 
@@ -156,8 +185,8 @@ def note_well(
             - _translational_energy(model, rows, j)
             - _rotational_energy(model.rough, spins, model, j)
         )
-        sums[VIRIAL] += impulse * distance
-        sums[ENERGY] -= lost_i + lost_j
+        _add(tallies, VIRIAL, impulse * distance)
+        _add(tallies, ENERGY, -(lost_i + lost_j))
         sums[WELLS] -= bound
         half = 0.5 * bound
         vector = (impulse * n[0], impulse * n[1], impulse * n[2])
@@ -172,7 +201,7 @@ def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
     """Before a wall changes a particle's velocity; its state is at the present."""
     if tallies is not None:
         sums = tallies.sums
-        _accumulate(sums, now)
+        _accumulate(tallies, now)
         sums[BEFORE] = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i)
         sums[SPEED_BEFORE] = rows[i, 3]
         sums[SPEED_BEFORE + 1] = rows[i, 4]
@@ -184,19 +213,19 @@ def note_wall_before(tallies: Any, fields: Any, model: Any, rows: Any, spins: An
 def note_wall_after(tallies: Any, fields: Any, model: Any, rows: Any, spins: Any, i: int, face: int) -> None:
     """After a wall has changed a particle's velocity."""
     if tallies is not None:
-        sums, walls = tallies.sums, tallies.walls
+        sums = tallies.sums
         mass = _mass(model.mass, model.inverse_masses, i)
         gained = _translational_energy(model, rows, i) + _rotational_energy(model.rough, spins, model, i) - sums[BEFORE]
         px = mass * (rows[i, 3] - sums[SPEED_BEFORE])
         py = mass * (rows[i, 4] - sums[SPEED_BEFORE + 1])
         pz = mass * (rows[i, 5] - sums[SPEED_BEFORE + 2])
-        walls[face, 0] -= px
-        walls[face, 1] -= py
-        walls[face, 2] -= pz
-        walls[face, WALL_ENERGY] += gained
-        walls[face, WALL_COUNT] += 1.0
-        sums[ENERGY] += gained
-        sums[RISE] += _along(model.acceleration, px, py, pz)
+        _add_to_wall(tallies, face, 0, -px)
+        _add_to_wall(tallies, face, 1, -py)
+        _add_to_wall(tallies, face, 2, -pz)
+        _add_to_wall(tallies, face, WALL_ENERGY, gained)
+        tallies.walls[face, WALL_COUNT] += 1.0
+        _add(tallies, ENERGY, gained)
+        _add(tallies, RISE, _along(model.acceleration, px, py, pz))
         _wall_fields(fields, i, px, py, pz, gained)
 
 
@@ -227,7 +256,7 @@ def _torque(tallies: Any, cylinder: Any, model: Any, rows: Any, i: int, face: in
             stretch = cylinder.radius / np.sqrt(x * x + y * y)
             px = mass * (rows[i, 3 + first] - sums[SPEED_BEFORE + first])
             py = mass * (rows[i, 3 + second] - sums[SPEED_BEFORE + second])
-            sums[TORQUE] += stretch * (x * py - y * px)
+            _add(tallies, TORQUE, stretch * (x * py - y * px))
 
 
 # -- fields ----------------------------------------------------------------------------------------
