@@ -1,6 +1,7 @@
 """Pages of docs/reference that are generated from the code: `python -m crosscheck.documents [DIRECTORY]` writes them.
 
-A page is a function that returns its text, and an entry of `PAGES`. A test fails if a written page differs from it.
+One of them, of the extreme cases, stands above, beside the pages that explain what the checks judge. A page is a
+function that returns its text, and an entry of `PAGES`. A test fails if a written page differs from it.
 """
 
 from __future__ import annotations
@@ -9,11 +10,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from crosscheck.documents.compare_schema import compare_schema
+from crosscheck.documents.extreme import extreme
 from crosscheck.documents.record_schema import record_schema
 from crosscheck.documents.registry import checks, engines, observables, schemes
 from crosscheck.documents.scene_words import scene_schema, scene_words
 
-#: Name of each generated file of docs/reference, and the function that returns its text.
+#: Path of each generated file from docs/reference, and the function that returns its text.
 PAGES: dict[str, Callable[[], str]] = {
     "scene-words.md": scene_words,
     "scene.schema.json": scene_schema,
@@ -23,6 +25,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "engines.md": engines,
     "schemes.md": schemes,
     "checks.md": checks,
+    "../extreme.md": extreme,
 }
 
 

@@ -37,7 +37,7 @@ def test_a_written_page_is_up_to_date(name: str) -> None:
 
 
 def test_nothing_else_is_among_the_generated_pages() -> None:
-    assert {path.name for path in REFERENCE.iterdir()} == set(PAGES)
+    assert {path.name for path in REFERENCE.iterdir()} == {name for name in PAGES if "/" not in name}
 
 
 def test_pages_are_written_into_a_directory(tmp_path: Path) -> None:
