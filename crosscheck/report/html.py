@@ -22,6 +22,7 @@ from crosscheck.files import naming
 from crosscheck.record import Line, case_name, deciding, is_left_out, read, worst_judgement
 from crosscheck.report import figures, ladder_figure, ladders, pictures
 from crosscheck.report.catches import scores, together
+from crosscheck.report.extreme import matrix
 from crosscheck.report.pages import templates
 from crosscheck.runner import select
 from crosscheck.status import false_alarms
@@ -198,6 +199,7 @@ def render(lines: list[Line], title: str) -> str:
         climbs=ladders.overview(climbs),
         targets=ladders.TARGETS,
         markers=Markup(ladder_figure.marker_definitions(style)),
+        matrix=matrix(lines),
         scores=scores(),
         together=together({one.check.name: one.check for one in sections if one.check is not None}.values()),
         sections=others,

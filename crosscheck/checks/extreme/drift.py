@@ -101,6 +101,7 @@ CHECKS = (
                 lambda trial: _walking(trial, _GOLDEN, 100_000_000, 16),
                 for_each(("velocity_verlet",), _HALF, _FEW),
                 "full",
+                Needs("spring", promises=("speed",)),
             ),
             Case(
                 "tenth",

@@ -25,8 +25,8 @@ from crosscheck.verdict import Findings, Judgement, bounded, statistical, within
 
 #: What all names of these checks begin with.
 GROUP = "extreme/"
-#: What a measurement may return under this name: how a run ended, or why it was refused, in words.
-ANSWER = "answer"
+#: What the quantity of a judgement on words begins with; the words follow.
+ANSWER = "answers that are not: "
 #: The answer of a run that went to its end, with nothing to remark.
 RAN = "ran"
 DIVERGED = "diverged"
@@ -121,7 +121,7 @@ class Answer(NamedTuple):
         same = found == self.words
         if not measured.shipped or ":" not in self.words:
             same = found.partition(":")[0] == self.words.partition(":")[0]
-        return bounded(f"answers that are not: {self.words}", float(not same), 0.0, self.why, note=f"answer: {found}")
+        return bounded(f"{ANSWER}{self.words}", float(not same), 0.0, self.why, note=f"answer: {found}")
 
 
 Expected: TypeAlias = Value | Bound | Mean | Answer
