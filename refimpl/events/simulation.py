@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from refimpl.events.kernels import loop, measure, neighbours, schedule
+from refimpl.events.kernels import loop, measure, neighbours, schedule, shells
 from refimpl.events.model import FREQUENCY, OSCILLATING, PHASE, Floats, HardSpheres, Well
 from refimpl.events.prediction import NEVER
 from refimpl.events.state import (
@@ -51,6 +51,8 @@ RENEWAL = 16.0
 _FULL_TURN = Fraction("6.28318530717958647692528676655900576839433879875021")
 #: Mean wait for a particle's next event that the calendar is laid out for, in times to cross a cell.
 EXPECTED_WAIT = 0.25
+#: Slack of contact ranges, in these: rounding of distances.
+SLACK = 1e-9
 #: Share of the width of a cell beyond the contact range that is given to its overlap with its neighbours.
 OVERLAP = 0.999
 #: Attributes of a `Simulation` that are no part of its state: what it was made from, and measurements.
@@ -59,7 +61,7 @@ _APART = (
     "_initial",
 )  # fmt: skip
 #: What of its state may be larger than at the start.
-_GROWING = ("particles.cells", "particles.bonds", "scratch", "store")
+_GROWING = ("particles.cells", "particles.bonds", "particles.shells.lists", "scratch", "store")
 
 
 class Simulation:
@@ -69,8 +71,9 @@ class Simulation:
     with friction. scheduler: "tree" (earliest event of each particle, complete binary tree), "lists" (a list of events
     per owner, complete binary tree), "calendar" (earliest events in a calendar queue). All three give the same events,
     to the last bit. tallies: measure averages and event observables. fields: cells along each axis for the
-    hydrodynamic fields. counting: count operations. trace: keep a list of all changes of state. Units: any consistent
-    set; time is that of the velocities. Raises ValueError that names particles that overlap, lie outside the walls, or
+    hydrodynamic fields. counting: count operations. trace: keep a list of all changes of state. shell: width of the
+    shells of lists of neighbours, length, 0 for cells alone; by default what `shell_width` finds to be faster. It
+    changes no event, not even by a bit. Units: any consistent set; time is that of the velocities. Raises ValueError that names particles that overlap, lie outside the walls, or
     are not finite, and cells of the fields that are smaller than the contact range.
 
     Attributes: model; number N and dimension d; stopped: "", or what ended the run for good; simultaneous: see
@@ -92,16 +95,18 @@ class Simulation:
         fields: tuple[int, ...] | None = None,
         counting: bool = False,
         trace: bool = False,
+        shell: float | None = None,
     ) -> None:
         x, v = np.array(positions, dtype=np.float64), np.array(velocities, dtype=np.float64)
         self.dimension = d = len(model.lengths)
         self.number = n = check_state(model, x, v)
-        self._counting = np.zeros(6, np.int64) if counting else None
+        self._counting = np.zeros(7, np.int64) if counting else None
         quantum = 2.0 ** (math.ceil(math.log2(max(model.lengths))) - 51)
         lengths = tuple(round(length / quantum) * quantum for length in model.lengths)
         walls = model.walls and model.walls._replace(numbers=model.walls.numbers.copy())
         self.model = model = model._replace(lengths=lengths, walls=walls)
-        self._grid, blocks = _grid(model, n, quantum, fields)
+        width = shell_width(model, n, scheduler, fields) if shell is None else shell
+        self._grid, blocks = _grid(model, n, quantum, fields, width)
         self._rows, ints = _aligned(n, 8, np.float64), _aligned(n, 8, np.int32)
         self._rows[:, :d] = np.round(x / quantum) * quantum
         self._rows[:, schedule.SPEED : schedule.SPEED + d] = v
@@ -111,7 +116,7 @@ class Simulation:
         hits = None if model.seed is None else np.zeros(n, np.int64)
         last = None if model.contact_duration is None else np.full(n, -np.inf)
         self._particles = loop.Particles(
-            self._rows, ints, np.zeros(n), np.zeros((n, 3), np.int64), cells, spins, None, hits, last
+            self._rows, ints, np.zeros(n), np.zeros((n, 3), np.int64), cells, spins, None, hits, last, None
         )
         self._scratch = _scratch(d, 8)
         self._store: Any = schedule.Earliest(0) if scheduler != "lists" else _lists(n, 4 * n + 256)
@@ -127,6 +132,8 @@ class Simulation:
         self.stopped = ""
         self._sort_into_cells()
         self._refuse_overlap()
+        if width > 0:
+            self._fill_lists(width)
         if model.well is not None:
             self._find_bonds(model.well)
         self._tallies = self._fields = None
@@ -234,6 +241,8 @@ class Simulation:
         particles = self._particles
         if status == loop.CELL_FULL:
             self._widen_cells()
+        elif status == loop.LISTS_FULL:
+            self._widen_lists()
         elif status == loop.BONDS_FULL:
             bonds = np.pad(particles.bonds, ((0, 0), (0, particles.bonds.shape[1])))
             self._particles = particles._replace(bonds=bonds)
@@ -246,6 +255,26 @@ class Simulation:
         cells[:, : old.shape[1]] = old
         self._particles = self._particles._replace(cells=cells)
         self._scratch = _scratch(self.dimension, cells.shape[1])
+
+    def _widen_lists(self) -> None:
+        lists = self._particles.shells.lists
+        wider = _aligned(self.number, 2 * lists.shape[1], np.int32)
+        wider[:, : lists.shape[1]] = lists
+        self._particles = self._particles._replace(shells=self._particles.shells._replace(lists=wider))
+
+    def _fill_lists(self, width: float) -> None:
+        """Makes all lists of neighbours about where the particles are."""
+        well, particles = self.model.well, self._particles
+        centres = np.zeros((self.number, 3))
+        centres[:, : self.dimension] = self._rows[:, : self.dimension]
+        lists = _aligned(self.number, 32 if self.dimension == 3 else 16, np.int32)
+        reach = (1.0 if well is None else well.range) * (1 + SLACK)
+        self._particles = particles._replace(shells=shells.Shells(lists, centres, width, reach))
+        cell_of = particles.ints[:, schedule.CELL : schedule.CELL + 3]
+        radii = radii_of(self.model, self.number)
+        while not shells.fill_lists(self._particles.shells, radii, cell_of, particles.cells, self._grid):
+            self._widen_lists()
+            self._particles.shells.lists[:, 0] = 0
 
     def _sort_into_cells(self) -> None:
         """Wraps all positions into the box, and puts the particles into cells."""
@@ -396,7 +425,10 @@ class Simulation:
         g = np.zeros(d) if self.model.acceleration is None else np.array(self.model.acceleration)
         v = self._rows[:, schedule.SPEED : schedule.SPEED + d]
         lengths = np.array(self.model.lengths)
-        x = self._rows[:, :d] + self._particles.images[:, :d] * lengths + v * span + 0.5 * g * span**2
+        # the same sum wherever the particle's copy is that the cells have
+        turns = np.floor(self._rows[:, :d] / lengths).astype(np.int64)
+        wrapped, images = self._rows[:, :d] - turns * lengths, self._particles.images[:, :d] + turns
+        x = wrapped + images * lengths + v * span + 0.5 * g * span**2
         spins = self._particles.spins
         return State(self.time, x, v + g * span, None if spins is None else (spins if d == 3 else spins[:, 2:]).copy())
 
@@ -421,11 +453,13 @@ class Simulation:
 
     def memory(self) -> int:
         """Bytes of all arrays."""
-        arrays = [*self._particles, *self._store[:], *self._queue, *self._scratch]
+        particles = self._particles
+        arrays = [*particles, *(particles.shells or ()), *self._store[:], *self._queue, *self._scratch]
         return sum(array.nbytes for array in arrays if isinstance(array, np.ndarray))
 
     def operation_counts(self) -> NDArray[np.int64]:
-        """(6,) comparisons, list moves, predictions, cell crossings, invalid events, wall events. Needs `counting`."""
+        """(7,) comparisons, list moves, predictions, cell crossings or new lists of neighbours, invalid events, wall
+        events, and distances that were looked at for lists of neighbours. Needs `counting`."""
         if self._counting is None:
             raise ValueError("operations are not counted: give counting=True")
         return self._counting.copy()
@@ -516,11 +550,20 @@ class Simulation:
 # -- building --------------------------------------------------------------------------------------
 
 
+def _reach(model: HardSpheres) -> float:
+    """The contact range of the largest pair, and what rounding may add."""
+    return model.diameter * (1.0 if model.well is None else model.well.range) * (1 + SLACK)
+
+
+def shell_width(model: HardSpheres, n: int, scheduler: Scheduler, fields: tuple[int, ...] | None) -> float:
+    return 0.0
+
+
 def _grid(
-    model: HardSpheres, n: int, quantum: float, fields: tuple[int, ...] | None
+    model: HardSpheres, n: int, quantum: float, fields: tuple[int, ...] | None, width: float
 ) -> tuple[loop.Grid, tuple[int, ...]]:
     d = len(model.lengths)
-    reach = model.diameter * (1.0 if model.well is None else model.well.range) * (1 + 1e-9)
+    reach = _reach(model) + 2 * width
     natural = max(reach, (math.prod(model.lengths) / n) ** (1 / d))
     counts, blocks = [], []
     for axis, length in enumerate(model.lengths):
@@ -536,9 +579,12 @@ def _grid(
         blocks.append(max(1, int(side / natural)))
         counts.append(fields[axis] * blocks[axis])
     sides = [length / count for length, count in zip(model.lengths, counts, strict=True)]
-    overlaps = [0.0 if fields is not None else 0.5 * OVERLAP * (side - reach) for side in sides]
+    # a particle with a list of neighbours is in the cell of its shell's centre
+    overlaps = [
+        width if width > 0 else 0.0 if fields is not None else 0.5 * OVERLAP * (side - reach) for side in sides
+    ]
     pad = 3 - d
-    shifts = np.zeros((27, 3))
+    shifts = np.zeros((27, 8))
     for axis, (length, wraps) in enumerate(zip(model.lengths, model.periodic, strict=True)):
         shifts[:, axis] = wraps * length * (np.arange(27) // 3**axis % 3 - 1)
     grid = loop.Grid(
@@ -557,8 +603,8 @@ def _aligned(rows: int, columns: int, kind: Any) -> Any:
 
 
 def _scratch(d: int, width: int) -> loop.Scratch:
-    most = 3**d * width + 4
-    return loop.Scratch(np.zeros(most, np.int64), np.zeros((most, 4)))
+    most = 3**d * width + 12  # lists of neighbours are no longer
+    return loop.Scratch(np.zeros(most, np.int64), np.zeros((4, most)))
 
 
 def _trace() -> loop.Trace:

@@ -3,14 +3,15 @@
 rows (N, 8): x 0-2, v 3-5 and own time 6 of the last change of state, time of the next pair event 7: one cache line.
 ints (N, 8): partner, its count at the prediction, own count of changes of state, cell 3-5, kind of the own event 6, and
 7: twice the number of events in a row at one instant, plus 1 if the last was at a wall; -1 where the time of the state
-is not that of an event. own (N,): time of the next event of the particle alone: a wall, or a face of its cell. Counts
-of changes are modulo 2^32: all that is asked is whether two are equal, of which one is the other some changes ago, and
-never 2^32 of them: predictions end when the clock is renewed.
+is not that of an event. own (N,): time of the next event of the particle alone: a wall, a face of its cell, the edge of
+its shell. Counts of changes are modulo 2^32: all that is asked is whether two are equal, of which one is the other some
+changes ago, and never 2^32 of them: predictions end when the clock is renewed.
 
 The time of a pair's event is computed from the two states at the later of their own times. It is thus a function of
 these states alone, and the same to the last bit from whichever particle and whenever it is computed: every scheduler
-gives the same events. For this a shift by a period must be exact: positions are multiples of `Grid.quantum`, and the
-state of a particle that has crossed the box is taken anew (`_renew_far_state`).
+gives the same events, with cells and with lists of neighbours (`shells`). For this a shift by a period must be exact:
+positions are multiples of `Grid.quantum`, and the state of a particle that has flown over one side of the box is taken
+anew, at a time that depends on that state alone (`_flight_over_box`).
 """
 
 from typing import Any, NamedTuple
@@ -18,6 +19,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refimpl.events.kernels.compiled import inline_internal, kernel
+from refimpl.events.kernels.lanes import (
+    WIDTH,
+    bits_of,
+    columns,
+    elements,
+    least,
+    lowest_bit,
+    splat,
+    square_root,
+    where,
+)
+from refimpl.events.kernels.lanes import store as store_lanes
 from refimpl.events.kernels.measure import (
     note_crossing,
     note_cylinder,
@@ -52,6 +65,16 @@ from refimpl.events.kernels.schedule import (
     tick,
     update,
 )
+from refimpl.events.kernels.shells import (
+    ID,
+    ID_BITS,
+    NO_CELL,
+    NO_LIST,
+    NO_SHIFT,
+    gather_list,
+    leaving_shell,
+    renew_list,
+)
 from refimpl.events.model import AMPLITUDE, OSCILLATING, Vector
 from refimpl.events.prediction import (
     FAR,
@@ -83,17 +106,12 @@ from refimpl.events.rules import (
 )
 
 #: Why the loop returned.
-REACHED, COUNTED, PAUSED, CELL_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL, GOING_ON = range(9)
-#: Kinds of own events: below `WALL` cell faces (2 axis + side); `WALL` + face; the cylinder; all events of the particle
-#: are to be predicted.
-WALL, CYLINDER, REPREDICT = 8, 16, 17
+REACHED, COUNTED, PAUSED, CELL_FULL, LISTS_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL, GOING_ON = range(10)
+#: Kinds of own events: below `SHELL` cell faces (2 axis + side); the edge of the shell; `WALL` + face; the cylinder; all
+#: events of the particle are to be predicted; its state is to be taken anew.
+SHELL, WALL, CYLINDER, REPREDICT, RENEW = 6, 8, 16, 17, 18
 #: Relative rounding of the two terms of a discriminant, generously: such pairs are looked at again, more precisely.
 SLACK = 1.0 + 2.0**-48
-#: Bits of a particle's number, in the buffer of a prediction.
-ID_BITS = 32
-ID = (1 << ID_BITS) - 1
-#: What became of a passage of a cell's face: there was no room; done; done, and the state was taken anew.
-FULL, PASSED, RENEWED = range(3)
 #: More than COLLAPSE collisions of a particle in a row at one instant are an inelastic collapse; so are more than two
 #: whose relative normal velocity, squared, is below VANISHED times the squared velocities.
 COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
@@ -108,7 +126,7 @@ PAIRS, EVENTS, INTERACTIONS, FIRST, SECOND, UNPREDICTED = range(6)
 
 
 class Grid(NamedTuple):
-    """counts, sides, overlaps, wraps: of the cells along three axes. shifts: (27, 3) periods. quantum: of positions.
+    """counts, sides, overlaps, wraps: of the cells along three axes. shifts: (27, 8) periods, of which three count. quantum: of positions.
 
     near: |r^2 - s^2|/s^2 that rounding may hide.
 
@@ -129,7 +147,7 @@ class Particles(NamedTuple):
     """rows, ints, own as above. images: (N, 3) periods left behind. cells: (number, 1 + slots). spins: (N, 3) | None.
 
     bonds: (N, 1 + slots) partners inside the well | None. hits: (N,) collisions with walls, of random walls | None.
-    last: (N,) times of the last collisions, for the TC model | None.
+    last: (N,) times of the last collisions, for the TC model | None. shells: lists of neighbours | None: cells alone.
     """
 
     rows: Any
@@ -141,6 +159,7 @@ class Particles(NamedTuple):
     bonds: Any
     hits: Any
     last: Any
+    shells: Any
 
 
 class Trace(NamedTuple):
@@ -184,7 +203,7 @@ class Limits(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Buffers of one prediction: ids (slots,), with the code of the shift in the upper half; numbers (slots, 4)."""
+    """Buffers of one prediction: ids (slots,), with the code of the shift in the upper half; numbers (4, slots)."""
 
     ids: Any
     numbers: Any
@@ -216,28 +235,27 @@ def _quantised(x: float, quantum: float) -> float:
 
 @inline_internal
 def _advance_to_now(model: Any, grid: Any, rows: Any, i: int, now: float) -> None:
-    """Moves a particle's state to the time `now`."""
+    """Moves a particle's state to the time `now`; by a path that is rounded, so that a shift by a period is exact."""
     s = now - rows[i, TIME]
     for k in range(len(model.lengths)):
-        rows[i, k] = _quantised(drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s), grid.quantum)
+        rows[i, k] += _quantised(drift(0.0, rows[i, SPEED + k], model.acceleration, k, s), grid.quantum)
         rows[i, SPEED + k] = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
     rows[i, TIME] = now
 
 
 @inline_internal
-def _renew_far_state(model: Any, grid: Any, particles: Any, i: int, axis: int, now: float) -> bool:
-    """Takes the state of a particle at the present if it flew over more than a box side since the last; whether it did.
+def _flight_over_box(model: Any, grid: Any, rows: Any, i: int, end: float) -> float:
+    """When the particle has flown over a side of the box since its state, if that is before `end`; else `NEVER`.
 
-    Without this, distances would be rounded as the length of a free path is, however small the box.
+    Its state is then taken anew: without this, distances would be rounded as the length of a free path is, however
+    small the box. The time is a function of the state alone.
     """
-    rows, ints = particles.rows, particles.ints
-    length = model.lengths[axis]
-    if abs(rows[i, axis] - 0.5 * length) <= 1.5 * length:
-        return False
-    _advance_to_now(model, grid, rows, i, now)
-    ints[i, COUNT] += 1
-    ints[i, STREAK] = -1
-    return True
+    due, s = NEVER, end - rows[i, TIME]
+    for k in range(len(model.lengths)):
+        v, a = abs(rows[i, SPEED + k]), abs(field_along(model.acceleration, k))
+        if grid.wraps[k] and s * (v + 0.5 * a * s) >= model.lengths[k]:
+            due = min(due, rows[i, TIME] + falling_time(model.lengths[k], -v, -a))
+    return due if due < end else NEVER
 
 
 @inline_internal
@@ -273,14 +291,13 @@ def _reach(well: Any) -> float:
 
 
 @inline_internal
-def _may_have_event(well: Any, b: float, c: float, disc: float, edge: float, disc_edge: float, within: float) -> bool:
-    """Whether a pair may have an event before `within`; computed without branches, and generously.
-
-    edge: r^2 - s^2 for the edge of the well, less what rounding may hide. disc, disc_edge: not below the discriminants.
-    """
+def _may_have_event(well: Any, b: Any, c: Any, w: Any, s2: Any, near: float, within: Any) -> int:
+    """The lanes, as bits, whose pairs may have an event before `within`; generously, as rounding may hide it."""
+    zero, square = splat(0.0), splat(SLACK) * (b * b)
     if well is None:
-        return (b < 0.0) & (disc > 0.0) & (c < -2.0 * b * within)
-    return (edge < 0.0) | ((b < 0.0) & (disc_edge > 0.0))
+        return bits_of((b < zero) & (zero < square - w * c) & (c < splat(-2.0) * b * within))
+    edge = c + s2 - s2 * splat(well.range * well.range)
+    return bits_of(edge < splat(near) * s2) | bits_of((b < zero) & (zero < square - w * edge))
 
 
 # -- prediction ------------------------------------------------------------------------------------
@@ -303,16 +320,14 @@ def _prefetch_rows(cells: Any, nx: int, ny: int, x0: int, y0: int, y1: int, z0: 
 
 
 @inline_internal
-def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
-    """Predicts the events of particle i with those in its own and the neighbouring cells, for the store.
+def _gather(shells: Any, model: Any, grid: Any, particles: Any, ids: Any, i: int, layer: int) -> tuple[int, bool]:
+    """Puts the numbers of those that i may meet into the buffer; how many, and whether none is shifted by a period.
 
-    layer: a face of its cell, to search only the cells beyond it, or -1 for all. Three passes without unpredictable
-    branches: gather the numbers of the neighbours; relative motion of all, and which of them may meet i; the times of
-    those events.
+    layer: a face of its cell, to search only the cells beyond it, or -1 for all; lists are taken whole.
     """
-    rows, cells = particles.rows, particles.cells
-    ids, numbers = scratch.ids, scratch.numbers
-    acceleration, radii, diameter, well = model.acceleration, model.radii, model.diameter, model.well
+    if shells is not None:
+        return gather_list(shells, ids, i)
+    cells = particles.cells
     nx, ny, nz = grid.counts
     cx, cy, cz = particles.ints[i, CELL], particles.ints[i, CELL + 1], particles.ints[i, CELL + 2]
     deep = len(model.lengths) - 2
@@ -366,55 +381,144 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
                     for slot in range(1, cells[cell, 0] + 1):
                         ids[p] = code | cells[cell, slot]
                         p += 1
+    return p, inside
+
+
+@inline_internal
+def _sizes(diameter: float, radii: Any, ids: Any, q: int, i: int) -> Any:
+    """Contact distances of i and eight others."""
+    if radii is None:
+        return splat(diameter)
+    return splat(radii[i]) + elements(radii, ids, q)
+
+
+@inline_internal
+def _in_field(acceleration: Any, k: int, x: Any, factor: float, s: Any) -> Any:
+    """x + factor g s along one axis."""
+    if acceleration is None:
+        return x
+    return x + splat(factor * acceleration[k]) * s
+
+
+@inline_internal
+def _along(model: Any, rows: Any, i: int, k: int, x: Any, v: Any, ahead: Any, behind: Any, sums: Any) -> Any:
+    """Adds what one axis gives to r.v, r.r and v.v; as `_relative_position` and `_relative_speed`, eight pairs at once.
+
+    x: of r_j - r_i, the shift included. v: of the others. ahead, behind: s where it is positive, where it is negative.
+    """
+    b, rr, w = sums
+    mine, s = splat(rows[i, SPEED + k]), ahead + behind
+    x = x + (v * ahead + mine * behind)
+    x = _in_field(model.acceleration, k, x, 0.5, s * (ahead - behind))
+    v = _in_field(model.acceleration, k, v - mine, 1.0, s)
+    return b + x * v, rr + x * x, w + v * v
+
+
+@inline_internal
+def _motion(model: Any, grid: Any, rows: Any, ids: Any, q: int, i: int, inside: bool) -> Any:
+    """Of i and the eight in the buffer from q on: r.v, r.r, v.v, the later of the two times, and when j is busy."""
+    x, y, z, u, v, w, tau, busy = columns(rows, ids, q, 0)
+    zero, mine = splat(0.0), splat(rows[i, TIME])
+    s = mine - tau
+    ahead, behind = where(zero < s, s, zero), where(s < zero, s, zero)
+    later = where(tau < mine, mine, tau)
+    x, y, z = x - splat(rows[i, 0]), y - splat(rows[i, 1]), z - splat(rows[i, 2])
+    if not inside:
+        shift_x, shift_y, shift_z, _, _, _, _, _ = columns(grid.shifts, ids, q, ID_BITS)
+        x, y, z = x + shift_x, y + shift_y, z + shift_z
+    sums = _along(model, rows, i, 0, x, u, ahead, behind, (zero, zero, zero))
+    sums = _along(model, rows, i, 1, y, v, ahead, behind, sums)
+    if len(model.lengths) == 3:
+        sums = _along(model, rows, i, len(model.lengths) - 1, z, w, ahead, behind, sums)
+    return sums, later, busy
+
+
+@inline_internal
+def _add_event(
+    model: Any, grid: Any, particles: Any, store: Any, counts: Any, i: int, j: int, code: int, b: float, c: float,
+    w: float, later: float,
+) -> None:  # fmt: skip
+    """The event of a pair, if it has one, for the store; b, c, w: as in `prediction`, when the later state was taken."""
+    rows = particles.rows
+    s = contact_distance(model.diameter, model.radii, i, j)
+    s2 = s * s
+    # points have no collisions: their times would be rounding only
+    if s > 0.0 and (c > grid.near * s2 or b >= 0.0 or not rests(rows, i, j, b, s2)):
+        moment2 = 0.0
+        if c > FAR * s2:
+            moment2 = _moment_of_pair(model, grid, rows, i, j, code)
+        span = pair_time(model.well, particles.bonds, i, j, b, c, w, s2, moment2, grid.near)
+        if span < NEVER:
+            add(store, rows, particles.ints, counts, i, later + span, j)
+
+
+@inline_internal
+def _ordinary(well: Any, store: Any, c: Any, s2: Any, near: float) -> int:
+    """The lanes, as bits, whose times need none of the precautions of `_add_event`, for a store of the earliest event."""
+    if well is not None:
+        return 0
+    if keeps_all(store):
+        return 0
+    return bits_of(_ordinary_lanes(c, s2, near))
+
+
+@inline_internal
+def _ordinary_lanes(c: Any, s2: Any, near: float) -> Any:
+    return (splat(near) * s2 < c) & (c <= splat(FAR) * s2)
+
+
+@inline_internal
+def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
+    """Predicts the events of particle i with those in its list, or in its own and the neighbouring cells, for the store.
+
+    layer: as `_gather`. Eight at a time: relative motion, and the times of their collisions, of which the earliest
+    counts. Those that need more care than that are done one by one.
+    """
+    rows, ints, ids, numbers = particles.rows, particles.ints, scratch.ids, scratch.numbers
+    p, inside = _gather(particles.shells, model, grid, particles, ids, i, layer)
     for q in range(p):
         prefetch(rows, (ids[q] & ID) * 64)
-        _prefetch_radius(radii, ids[q] & ID)
+        _prefetch_radius(model.radii, ids[q] & ID)
     tick(counts, PREDICTIONS, p)
-
-    ti = rows[i, TIME]
-    best = rows[i, NEXT]
-    reach2 = _reach(well) * _reach(well)
-    u = 0
-    for q in range(p):
-        j = ids[q] & ID
-        tj = rows[j, TIME]
-        s = ti - tj
-        b, rr, w = 0.0, 0.0, 0.0
-        for k in range(len(model.lengths)):
-            vi, vj = rows[i, SPEED + k], rows[j, SPEED + k]
-            gap = rows[j, k] - rows[i, k]
-            if not inside:
-                gap += grid.shifts[ids[q] >> ID_BITS, k]
-            r = _relative_position(gap, vi, vj, s, acceleration, k)
-            v = _relative_speed(vi, vj, s, acceleration, k)
-            b += r * v
-            rr += r * r
-            w += v * v
-        size = contact_distance(diameter, radii, i, j)
-        c = rr - size * size
-        edge = rr - size * size * reach2
-        square = SLACK * (b * b)
-        later = max(ti, tj)
-        within = NEVER if keeps_all(store) else best - later
-        ids[u] = ids[q]
-        numbers[u, 0], numbers[u, 1], numbers[u, 2], numbers[u, 3] = b, c, w, later
-        near = edge - grid.near * (size * size)
-        u += np.int64(_may_have_event(well, b, c, square - w * c, near, square - w * edge, within))
-
-    for q in range(u):
-        j = ids[q] & ID
-        b, c, w = numbers[q, 0], numbers[q, 1], numbers[q, 2]
-        if j != i:
-            s = contact_distance(diameter, radii, i, j)
-            s2 = s * s
-            # points have no collisions: their times would be rounding only
-            if s > 0.0 and (c > grid.near * s2 or b >= 0.0 or not rests(rows, i, j, b, s2)):
-                moment2 = 0.0
-                if c > FAR * s2:
-                    moment2 = _moment_of_pair(model, grid, rows, i, j, 13 if inside else ids[q] >> ID_BITS)
-                span = pair_time(well, particles.bonds, i, j, b, c, w, s2, moment2, grid.near)
-                if span < NEVER:
-                    add(store, rows, particles.ints, counts, i, numbers[q, 3] + span, j)
+    for lane in range(WIDTH - 1):  # a particle has no event with itself
+        ids[p + lane] = (NO_SHIFT << ID_BITS) | i
+    zero, never = splat(0.0), splat(NEVER)
+    for q in range(0, p, WIDTH):
+        (b, rr, w), later, busy = _motion(model, grid, rows, ids, q, i, inside)
+        size = _sizes(model.diameter, model.radii, ids, q, i)
+        s2 = size * size
+        c = rr - s2
+        best = rows[i, NEXT]
+        within = never if keeps_all(store) else splat(best) - later
+        rest = _may_have_event(model.well, b, c, w, s2, grid.near, within)
+        ordinary = _ordinary(model.well, store, c, s2, grid.near)
+        if rest & ordinary != 0:
+            # `discriminant` and `approach` of `prediction`
+            disc = b * b - w * c
+            span = c / (square_root(disc) - b)
+            due = later + where(zero < span, span, zero)
+            due = where((b < zero) & (zero < disc) & (due < busy), due, never)
+            first = least(where(_ordinary_lanes(c, s2, grid.near), due, never))
+            if first <= best:
+                ties = bits_of(due <= splat(first)) & ordinary
+                while ties != 0:
+                    add(store, rows, ints, counts, i, first, ids[q + lowest_bit(ties)] & ID)
+                    ties &= ties - 1
+        rest &= ~ordinary
+        if rest != 0:
+            store_lanes(numbers, 0, q, b)
+            store_lanes(numbers, 1, q, c)
+            store_lanes(numbers, 2, q, w)
+            store_lanes(numbers, 3, q, later)
+            while rest != 0:
+                k = q + lowest_bit(rest)
+                rest &= rest - 1
+                j = ids[k] & ID
+                if j != i:
+                    _add_event(
+                        model, grid, particles, store, counts, i, j, NO_SHIFT if inside else ids[k] >> ID_BITS,
+                        numbers[0, k], numbers[1, k], numbers[2, k], numbers[3, k],
+                    )  # fmt: skip
 
 
 @inline_internal
@@ -443,10 +547,10 @@ def _first_wall(
 
 
 @inline_internal
-def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None:
-    """Predicts the next wall, or face of its cell, that the particle meets."""
-    rows, ints = particles.rows, particles.ints
-    s = now - rows[i, TIME]
+def _leaving(shells: Any, model: Any, grid: Any, rows: Any, ints: Any, i: int, s: float) -> tuple[float, int]:
+    """Time until the particle passes a face of its cell, or the edge of its shell, and which."""
+    if shells is not None:
+        return leaving_shell(shells, model, rows, i, s), SHELL
     best, kind = NEVER, 0
     for k in range(len(model.lengths)):
         x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
@@ -461,11 +565,24 @@ def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None
             span = falling_time((cell + 1) * grid.sides[k] + grid.overlaps[k] - x, -v, -a)
             if span < best:
                 best, kind = span, 2 * k + 1
+    return best, kind
+
+
+@inline_internal
+def own_event(model: Any, grid: Any, particles: Any, i: int, now: float) -> None:
+    """Predicts the next wall, or face of its cell, or edge of its shell, that the particle meets."""
+    rows, ints = particles.rows, particles.ints
+    s = now - rows[i, TIME]
+    best, kind = _leaving(particles.shells, model, grid, rows, ints, i, s)
     best, kind = _first_wall(model.walls, model, grid, rows, ints, i, s, now, best, kind)
     span = cylinder_time(model, model.cylinder, rows, i, s, radius_of(model.diameter, model.radii, i))
     if span <= best and span < NEVER:
         best, kind = span, CYLINDER
-    particles.own[i] = now + best if best < NEVER else NEVER
+    due = now + best if best < NEVER else NEVER
+    renewed = _flight_over_box(model, grid, rows, i, due)
+    if renewed < due:
+        due, kind = renewed, RENEW
+    particles.own[i] = due
     ints[i, OWN] = kind
 
 
@@ -640,8 +757,8 @@ def _collide(
 
 
 @inline_internal
-def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> int:
-    """Moves the particle through a face of its cell into the next one; FULL, and no change, if that is full."""
+def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int, now: float) -> bool:
+    """Moves the particle through a face of its cell into the next one; False, and no change, if that is full."""
     rows, ints, images = particles.rows, particles.ints, particles.images
     face = ints[i, OWN]
     k = face >> 1
@@ -653,16 +770,25 @@ def _cross_cell_face(model: Any, grid: Any, particles: Any, fields: Any, i: int,
     full = particles.cells[_cell_of(grid, ints, i), 0] + 1 >= particles.cells.shape[1]
     ints[i, CELL + k] = old
     if full:
-        return FULL
+        return False
     note_crossing(fields, model, rows, particles.spins, particles.bonds, i, face, now)
     _leave_cell(grid, particles, i)
     ints[i, CELL + k] = cell
     rows[i, k] -= turn * model.lengths[k]
     images[i, k] += turn
     _enter_cell(grid, particles, i)
-    if turn != 0 and _renew_far_state(model, grid, particles, i, k, now):
-        return RENEWED
-    return PASSED
+    return True
+
+
+@inline_internal
+def _move_on(
+    shells: Any, model: Any, grid: Any, particles: Any, fields: Any, scratch: Any, counts: Any, i: int, now: float
+) -> int:
+    """The passage of a cell's face or a shell's edge; GOING_ON, or what is full, and then nothing has been done."""
+    if shells is None:
+        return GOING_ON if _cross_cell_face(model, grid, particles, fields, i, now) else CELL_FULL
+    made = renew_list(shells, model, grid, particles, scratch.ids, counts, i, now)
+    return CELL_FULL if made == NO_CELL else (LISTS_FULL if made == NO_LIST else GOING_ON)
 
 
 @inline_internal
@@ -729,7 +855,9 @@ def _append_to_trace(trace: Any, model: Any, particles: Any, now: float, i: int,
 @inline_internal
 def _note_state(after: Any, model: Any, particles: Any, spins: Any, i: int) -> None:
     for k in range(len(model.lengths)):
-        after[k] = particles.rows[i, k] + particles.images[i, k] * model.lengths[k]
+        turn = np.int64(np.floor(particles.rows[i, k] / model.lengths[k]))
+        wrapped = particles.rows[i, k] - turn * model.lengths[k]
+        after[k] = wrapped + (particles.images[i, k] + turn) * model.lengths[k]
         after[3 + k] = particles.rows[i, SPEED + k]
     if spins is not None:
         for k in range(3):
@@ -759,6 +887,36 @@ def _reason_to_stop(due: float, pairs: int, store: Any, scratch: Any, trace: Any
     return GOING_ON
 
 
+@inline_internal
+def _look_ahead(shells: Any, queue: Any, particles: Any, i: int) -> None:
+    if shells is not None:
+        rows, ints, lists = particles.rows, particles.ints, shells.lists
+        keys, nodes = queue.keys, queue.nodes
+        if nodes.size <= 4000:
+            return
+        node, best, who = 1, 1e300, i
+        for _ in range(4):
+            child = 2 * node
+            child += np.int64(nodes[child] != i)
+            other = child ^ 1
+            j = nodes[other]
+            prefetch(rows, j * 64)
+            prefetch(ints, j * 32)
+            prefetch(lists, j * 4 * lists.shape[1])
+            prefetch(particles.own, j * 8)
+            key = keys[other]
+            who = j if key < best else who
+            best = key if key < best else best
+            node = child
+        for q in range(1, lists[who, 0] + 1):
+            prefetch(rows, (lists[who, q] & 0x3FFFFFF) * 64)
+        p = ints[who, PARTNER]
+        if p >= 0:
+            prefetch(ints, p * 32)
+            for q in range(1, lists[p, 0] + 1):
+                prefetch(rows, (lists[p, q] & 0x3FFFFFF) * 64)
+
+
 @kernel
 def advance(
     model: Any, grid: Any, particles: Any, store: Any, queue: Any, scratch: Any, measured: Any, progress: Any,
@@ -781,6 +939,7 @@ def advance(
         else:
             i = first(queue, counts)
         prefetch_entry(queue, i)
+        _look_ahead(particles.shells, queue, particles, i)
         pair_time, own_time = rows[i, NEXT], own[i]
         due = min(pair_time, own_time)
         status = _reason_to_stop(due, pairs, store, scratch, trace, limits)
@@ -792,15 +951,15 @@ def advance(
         if own_time < pair_time:
             if ints[i, OWN] < WALL:
                 layer = ints[i, OWN]
-                passage = _cross_cell_face(model, grid, particles, fields, i, now)
-                if passage == FULL:
-                    status = CELL_FULL
-                else:
+                status = _move_on(particles.shells, model, grid, particles, fields, scratch, counts, i, now)
+                if status == GOING_ON:
                     tick(counts, CROSSINGS, 1)
-                    if passage == RENEWED:
-                        layer = -1
             elif ints[i, OWN] == REPREDICT:
                 unpredicted += 1
+            elif ints[i, OWN] == RENEW:
+                _advance_to_now(model, grid, rows, i, now)
+                ints[i, COUNT] += 1
+                ints[i, STREAK] = -1
             else:
                 interactions += 1
                 tick(counts, WALL_EVENTS, 1)
@@ -829,7 +988,7 @@ def advance(
                     status = done
                 if is_fixed(model.inverse_masses, j):
                     j = np.int64(-1)
-        if status == CELL_FULL or status == BONDS_FULL:  # the event has not been applied
+        if status == CELL_FULL or status == LISTS_FULL or status == BONDS_FULL:  # the event has not been applied
             break
         events += 1
         if status == COLLAPSED:

@@ -25,7 +25,7 @@ PARTNER, PARTNER_COUNT, COUNT, CELL, OWN, STREAK = 0, 1, 2, 3, 6, 7
 #: Columns of `rows`.
 SPEED, TIME, NEXT = 3, 6, 7
 #: Entries of the operation counts.
-COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS = range(6)
+COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS, DISTANCES = range(7)
 #: So many nodes stay in the first two caches.
 NEAR_NODES = 1 << 13
 
@@ -106,22 +106,21 @@ def prefetch_entry(queue: Any, i: int) -> None:
 @implements(update, Tree)
 def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
     keys, nodes = queue.keys, queue.nodes
-    place = nodes.size // 2 + i
-    keys[place] = key
-    node = place >> 1
-    steps = 0
-    while node >= 1:
-        left = 2 * node
-        a, b = keys[left], keys[left + 1]
-        one, other = nodes[left], nodes[left + 1]
+    node = nodes.size // 2 + i
+    keys[node] = key
+    winner, steps = np.int32(i), 0
+    while node > 1:
+        # the winner so far stays in a register: which of two wins is no branch, and loads do not wait for stores
+        other, another = keys[node ^ 1], nodes[node ^ 1]
+        wins = (key < other) | ((key == other) & (winner < another))
+        key = key if wins else other
+        winner = winner if wins else another
+        node >>= 1
         steps += 1
-        first_wins = a < b or (a == b and one < other)
-        winner = one if first_wins else other
         if nodes[node] == winner and winner != i:
             break
         nodes[node] = winner
-        keys[node] = a if first_wins else b
-        node >>= 1
+        keys[node] = key
     tick(counts, COMPARISONS, steps)
 
 
@@ -289,7 +288,7 @@ def _earliest_has_room(store: Any, number: int) -> bool:
 @implements(add, Earliest)
 def _earliest_add(store: Any, rows: Any, ints: Any, counts: Any, i: int, time: float, j: int) -> None:
     # where the partner has an earlier event, this one will be predicted again after that, if it is still due
-    if time < rows[i, NEXT] and time < rows[j, NEXT]:
+    if time < rows[j, NEXT] and (time < rows[i, NEXT] or (time == rows[i, NEXT] and j < ints[i, PARTNER])):
         rows[i, NEXT] = time
         ints[i, PARTNER], ints[i, PARTNER_COUNT] = j, ints[j, COUNT]
 
