@@ -47,6 +47,9 @@ OPERATIONS = (
     "cell_crossings",
     "invalid_events",
     "wall_events",
+    "renewals",
+    "list_builds",
+    "list_tests",
 )
 
 

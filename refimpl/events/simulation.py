@@ -43,7 +43,7 @@ from refimpl.events.state import (
 )
 from refimpl.snapshot import Arrays, restore, snapshot
 
-Scheduler = Literal["tree", "lists", "calendar"]
+Scheduler = Literal["tree", "lists", "calendar", "neighbours"]
 
 #: Times to cross the box after which the clock gets a new base; that costs about one prediction a particle.
 RENEWAL = 16.0
@@ -51,6 +51,15 @@ RENEWAL = 16.0
 _FULL_TURN = Fraction("6.28318530717958647692528676655900576839433879875021")
 #: Mean wait for a particle's next event that the calendar is laid out for, in times to cross a cell.
 EXPECTED_WAIT = 0.25
+#: Width of the shells of lists of neighbours, in mean diameters: of 0.1 to 0.4, the fastest where lists pay.
+SHELL = 0.3
+#: Lists of neighbours are for particles of which the largest is no larger than the mean one over this: all lists are
+#: as long as the longest.
+LEAST_MEAN = 0.6
+#: Fewer particles than this are left to cells: their runs are short beside the compilation of another loop.
+MANY = 1000
+#: What a new list costs, in partners that are looked at for an event.
+PRICE = 72.0
 #: Slack of contact ranges, in these: rounding of distances.
 SLACK = 1e-9
 #: Share of the width of a cell beyond the contact range that is given to its overlap with its neighbours.
@@ -69,12 +78,13 @@ class Simulation:
 
     positions, velocities: (N, d). angular_velocities: (N, 1) in two dimensions, (N, 3) in three; zero by default; only
     with friction. scheduler: "tree" (earliest event of each particle, complete binary tree), "lists" (a list of events
-    per owner, complete binary tree), "calendar" (earliest events in a calendar queue). All three give the same events,
-    to the last bit. tallies: measure averages and event observables. fields: cells along each axis for the
-    hydrodynamic fields. counting: count operations. trace: keep a list of all changes of state. shell: width of the
-    shells of lists of neighbours, length, 0 for cells alone; by default what `shell_width` finds to be faster. It
-    changes no event, not even by a bit. Units: any consistent set; time is that of the velocities. Raises ValueError that names particles that overlap, lie outside the walls, or
-    are not finite, and cells of the fields that are smaller than the contact range.
+    per owner, complete binary tree), "calendar" (earliest events in a calendar queue), "neighbours" (as "tree", with
+    lists of neighbours wherever these are possible). All give the same events, to the last bit. tallies: measure
+    averages and event observables. fields: cells along each axis for the hydrodynamic fields. counting: count
+    operations. trace: keep a list of all changes of state. shell: width of the shells of lists of neighbours, length,
+    0 for cells alone; by default what `shell_width` finds to be faster. It changes no event, not even by a bit. Units:
+    any consistent set; time is that of the velocities. Raises ValueError that names particles that overlap, lie outside
+    the walls, or are not finite, and cells of the fields that are smaller than the contact range.
 
     Attributes: model; number N and dimension d; stopped: "", or what ended the run for good; simultaneous: see
     `state.Simultaneous`.
@@ -100,7 +110,7 @@ class Simulation:
         x, v = np.array(positions, dtype=np.float64), np.array(velocities, dtype=np.float64)
         self.dimension = d = len(model.lengths)
         self.number = n = check_state(model, x, v)
-        self._counting = np.zeros(7, np.int64) if counting else None
+        self._counting = np.zeros(schedule.OPERATIONS, np.int64) if counting else None
         quantum = 2.0 ** (math.ceil(math.log2(max(model.lengths))) - 51)
         lengths = tuple(round(length / quantum) * quantum for length in model.lengths)
         walls = model.walls and model.walls._replace(numbers=model.walls.numbers.copy())
@@ -458,8 +468,11 @@ class Simulation:
         return sum(array.nbytes for array in arrays if isinstance(array, np.ndarray))
 
     def operation_counts(self) -> NDArray[np.int64]:
-        """(7,) comparisons, list moves, predictions, cell crossings or new lists of neighbours, invalid events, wall
-        events, and distances that were looked at for lists of neighbours. Needs `counting`."""
+        """(9,) numbers of operations. Needs `counting`.
+
+        Comparisons, list moves, predictions, cell crossings, invalid events, wall events, states that were taken anew
+        after a flight over the box, lists of neighbours made after the start, distances looked at for that.
+        """
         if self._counting is None:
             raise ValueError("operations are not counted: give counting=True")
         return self._counting.copy()
@@ -556,7 +569,48 @@ def _reach(model: HardSpheres) -> float:
 
 
 def shell_width(model: HardSpheres, n: int, scheduler: Scheduler, fields: tuple[int, ...] | None) -> float:
-    return 0.0
+    """Width of the shells of lists of neighbours, length; 0 where cells alone are used.
+
+    Cells: where the fields are measured on them, for the documented lists of events, in boxes of less than three
+    cells, for very unequal particles. Else lists where `neighbours` is the scheduler, and where they are expected to
+    cost less: in a gas of the mean density, after Enskog, a function of the model and the number of particles alone.
+    """
+    mean, density = _mean_size(model, n), n / math.prod(model.lengths)
+    width = SHELL * mean
+    if fields is not None or scheduler == "lists" or n > shells.MOST or mean < LEAST_MEAN * model.diameter or mean == 0:
+        return 0.0
+    if any(length < 3 * (_reach(model) + 2 * width) for length in model.lengths):
+        return 0.0
+    if scheduler == "neighbours":
+        return width
+    fixed = model.inverse_masses is not None and bool((model.inverse_masses == 0).any())
+    return width if n >= MANY and not fixed and _lists_pay(model, density, mean, width) else 0.0
+
+
+def _mean_size(model: HardSpheres, n: int) -> float:
+    """Diameter of n equal particles of the same total volume (in two dimensions, area)."""
+    d = len(model.lengths)
+    return 2 * float(np.mean(radii_of(model, n) ** d)) ** (1 / d)
+
+
+def _lists_pay(model: HardSpheres, density: float, size: float, width: float) -> bool:
+    """Whether lists are expected to cost less than cells, counted in partners that are looked at for an event.
+
+    A particle of mean free path l gets a new list after x (1 + x/5) collisions, x = width/l, as measured (events/cost);
+    at the edge of wells it has others. density: particles per volume. size: contact distance.
+    """
+    d, reach = len(model.lengths), 1.0 if model.well is None else model.well.range
+    ball = math.pi if d == 2 else 4 * math.pi / 3
+    packing = min(density * ball * (size / 2) ** d, 0.9)
+    contact = (1 - 7 * packing / 16) / (1 - packing) ** 2 if d == 2 else (1 - packing / 2) / (1 - packing) ** 3
+    section = 2 * size if d == 2 else math.pi * size**2
+    x = width * math.sqrt(2) * density * section * contact
+    if model.well is not None:  # those that come, and those that go
+        x *= 1 + 2 * reach ** (d - 1) / contact
+    in_cells = 3**d * max(1.0, density * _reach(model) ** d)
+    in_list = density * ball * (reach * size + 2 * width) ** d
+    # two particles are predicted for at a collision, and get so many lists
+    return 2 * (in_cells - in_list) * x * (1 + x / 5) > 2 * PRICE
 
 
 def _grid(
@@ -580,9 +634,7 @@ def _grid(
         counts.append(fields[axis] * blocks[axis])
     sides = [length / count for length, count in zip(model.lengths, counts, strict=True)]
     # a particle with a list of neighbours is in the cell of its shell's centre
-    overlaps = [
-        width if width > 0 else 0.0 if fields is not None else 0.5 * OVERLAP * (side - reach) for side in sides
-    ]
+    overlaps = [width if width > 0 else 0.0 if fields is not None else 0.5 * OVERLAP * (side - reach) for side in sides]
     pad = 3 - d
     shifts = np.zeros((27, 8))
     for axis, (length, wraps) in enumerate(zip(model.lengths, model.periodic, strict=True)):

@@ -23,6 +23,7 @@ SCHEMES = {
         "event_driven_naive",
         "event_driven_lists",
         "event_driven_calendar",
+        "event_driven_neighbours",
         "velocity_verlet",
         "collisions_direct",
         "collisions_tree",

@@ -22,6 +22,7 @@ SCHEDULERS = {
     "event_driven": "tree",
     "event_driven_lists": "lists",
     "event_driven_calendar": "calendar",
+    "event_driven_neighbours": "neighbours",
     NAIVE: "naive",
 }
 #: Schemes of lattice gases, and the class of `refimpl.lattice` that moves them.

@@ -120,6 +120,7 @@ def _count_operations(run: Run) -> None:
     cost = run.cost
     cost.comparisons, cost.predictions = counts["tree_comparisons"], counts["predictions"]
     cost.cell_crossings, cost.stale_events = counts["cell_crossings"], counts["invalid_events"]
+    cost.list_builds, cost.list_tests = counts["list_builds"], counts["list_tests"]
 
 
 def _advance(sim: Any, pace: Pace, until: float, collisions: int | None) -> None:

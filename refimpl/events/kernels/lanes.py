@@ -137,7 +137,7 @@ def bits_of(context, condition):  # type: ignore[no-untyped-def]
     return types.int64(condition), generate
 
 
-@instruction(lambda bits: (bits & -bits).bit_length() - 1)
+@instruction(lambda bits: int(bits & -bits).bit_length() - 1)
 def lowest_bit(context, bits):  # type: ignore[no-untyped-def]
     """The number of the lowest bit of an integer that is not 0."""
     if not isinstance(bits, types.Integer):

@@ -45,12 +45,14 @@ from refimpl.events.kernels.schedule import (
     CELL,
     COUNT,
     CROSSINGS,
+    FIRST_NODE,
     INVALID,
     NEXT,
     OWN,
     PARTNER,
     PARTNER_COUNT,
     PREDICTIONS,
+    RENEWALS,
     SPEED,
     STREAK,
     TIME,
@@ -62,6 +64,7 @@ from refimpl.events.kernels.schedule import (
     keeps_all,
     pop,
     prefetch_entry,
+    rival,
     tick,
     update,
 )
@@ -73,6 +76,8 @@ from refimpl.events.kernels.shells import (
     NO_SHIFT,
     gather_list,
     leaving_shell,
+    prefetch_list,
+    prefetch_neighbours,
     renew_list,
 )
 from refimpl.events.model import AMPLITUDE, OSCILLATING, Vector
@@ -107,8 +112,8 @@ from refimpl.events.rules import (
 
 #: Why the loop returned.
 REACHED, COUNTED, PAUSED, CELL_FULL, LISTS_FULL, STORE_FULL, BONDS_FULL, COLLAPSED, TRACE_FULL, GOING_ON = range(10)
-#: Kinds of own events: below `SHELL` cell faces (2 axis + side); the edge of the shell; `WALL` + face; the cylinder; all
-#: events of the particle are to be predicted; its state is to be taken anew.
+#: Kinds of own events: below `SHELL` cell faces (2 axis + side); the edge of the shell; `WALL` + face; the cylinder;
+#: all events of the particle are to be predicted; its state is to be taken anew.
 SHELL, WALL, CYLINDER, REPREDICT, RENEW = 6, 8, 16, 17, 18
 #: Relative rounding of the two terms of a discriminant, generously: such pairs are looked at again, more precisely.
 SLACK = 1.0 + 2.0**-48
@@ -119,6 +124,8 @@ COLLAPSE, VANISHED = 100, (2.0**-38) ** 2
 #: wall, or a particle. Of more particles than that, two may have the same number, and a tie with both is not counted.
 _PARTNER_BITS, _WALL = 24, 0
 _PARTNERS = (1 << _PARTNER_BITS) - 1
+#: Fewer particles than this are in the caches anyway. AHEAD: of so many the earliest is guessed to be next.
+FEW, AHEAD = 2048, 4
 #: More cells than this do not fit into the first two caches.
 MANY = 1 << 14
 #: Entries of `progress`; UNPREDICTED: the first particle whose events have not been predicted yet.
@@ -126,7 +133,8 @@ PAIRS, EVENTS, INTERACTIONS, FIRST, SECOND, UNPREDICTED = range(6)
 
 
 class Grid(NamedTuple):
-    """counts, sides, overlaps, wraps: of the cells along three axes. shifts: (27, 8) periods, of which three count. quantum: of positions.
+    """counts, sides, overlaps, wraps: of the cells along three axes. shifts: (27, 8) periods, along three axes.
+    quantum: of positions.
 
     near: |r^2 - s^2|/s^2 that rounding may hide.
 
@@ -438,7 +446,7 @@ def _add_event(
     model: Any, grid: Any, particles: Any, store: Any, counts: Any, i: int, j: int, code: int, b: float, c: float,
     w: float, later: float,
 ) -> None:  # fmt: skip
-    """The event of a pair, if it has one, for the store; b, c, w: as in `prediction`, when the later state was taken."""
+    """The event of a pair, if it has one, for the store; b, c, w: as in `prediction`, at the later state."""
     rows = particles.rows
     s = contact_distance(model.diameter, model.radii, i, j)
     s2 = s * s
@@ -454,7 +462,7 @@ def _add_event(
 
 @inline_internal
 def _ordinary(well: Any, store: Any, c: Any, s2: Any, near: float) -> int:
-    """The lanes, as bits, whose times need none of the precautions of `_add_event`, for a store of the earliest event."""
+    """The lanes, as bits, whose times need no precautions of `_add_event`; for a store of the earliest event."""
     if well is not None:
         return 0
     if keeps_all(store):
@@ -469,7 +477,7 @@ def _ordinary_lanes(c: Any, s2: Any, near: float) -> Any:
 
 @inline_internal
 def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, counts: Any, i: int, layer: int) -> None:
-    """Predicts the events of particle i with those in its list, or in its own and the neighbouring cells, for the store.
+    """Predicts the events of i with those in its list, or in its own and the neighbouring cells, for the store.
 
     layer: as `_gather`. Eight at a time: relative motion, and the times of their collisions, of which the earliest
     counts. Those that need more care than that are done one by one.
@@ -786,7 +794,10 @@ def _move_on(
 ) -> int:
     """The passage of a cell's face or a shell's edge; GOING_ON, or what is full, and then nothing has been done."""
     if shells is None:
-        return GOING_ON if _cross_cell_face(model, grid, particles, fields, i, now) else CELL_FULL
+        if not _cross_cell_face(model, grid, particles, fields, i, now):
+            return CELL_FULL
+        tick(counts, CROSSINGS, 1)
+        return GOING_ON
     made = renew_list(shells, model, grid, particles, scratch.ids, counts, i, now)
     return CELL_FULL if made == NO_CELL else (LISTS_FULL if made == NO_LIST else GOING_ON)
 
@@ -889,32 +900,26 @@ def _reason_to_stop(due: float, pairs: int, store: Any, scratch: Any, trace: Any
 
 @inline_internal
 def _look_ahead(shells: Any, queue: Any, particles: Any, i: int) -> None:
-    if shells is not None:
-        rows, ints, lists = particles.rows, particles.ints, shells.lists
-        keys, nodes = queue.keys, queue.nodes
-        if nodes.size <= 4000:
-            return
-        node, best, who = 1, 1e300, i
-        for _ in range(4):
-            child = 2 * node
-            child += np.int64(nodes[child] != i)
-            other = child ^ 1
-            j = nodes[other]
-            prefetch(rows, j * 64)
-            prefetch(ints, j * 32)
-            prefetch(lists, j * 4 * lists.shape[1])
-            prefetch(particles.own, j * 8)
-            key = keys[other]
-            who = j if key < best else who
-            best = key if key < best else best
-            node = child
-        for q in range(1, lists[who, 0] + 1):
-            prefetch(rows, (lists[who, q] & 0x3FFFFFF) * 64)
-        p = ints[who, PARTNER]
-        if p >= 0:
-            prefetch(ints, p * 32)
-            for q in range(1, lists[p, 0] + 1):
-                prefetch(rows, (lists[p, q] & 0x3FFFFFF) * 64)
+    """Fetches what the events after that of i, which is the first, will need: who they are is a good guess."""
+    if shells is None:
+        return
+    if particles.rows.shape[0] < FEW:
+        return
+    after, node = i, FIRST_NODE
+    soonest = NEVER
+    for _ in range(AHEAD):
+        node, j, due = rival(queue, node, i)
+        prefetch(particles.rows, j * 64)
+        prefetch(particles.ints, j * 32)
+        prefetch(particles.own, j * 8)
+        prefetch_list(shells, j)
+        after = j if due < soonest else after
+        soonest = due if due < soonest else soonest
+    prefetch_neighbours(shells, particles.rows, after)
+    partner = particles.ints[after, PARTNER]
+    if partner >= 0:
+        prefetch(particles.ints, partner * 32)
+        prefetch_neighbours(shells, particles.rows, partner)
 
 
 @kernel
@@ -952,11 +957,10 @@ def advance(
             if ints[i, OWN] < WALL:
                 layer = ints[i, OWN]
                 status = _move_on(particles.shells, model, grid, particles, fields, scratch, counts, i, now)
-                if status == GOING_ON:
-                    tick(counts, CROSSINGS, 1)
             elif ints[i, OWN] == REPREDICT:
                 unpredicted += 1
             elif ints[i, OWN] == RENEW:
+                tick(counts, RENEWALS, 1)
                 _advance_to_now(model, grid, rows, i, now)
                 ints[i, COUNT] += 1
                 ints[i, STREAK] = -1

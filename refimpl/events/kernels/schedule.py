@@ -25,7 +25,10 @@ PARTNER, PARTNER_COUNT, COUNT, CELL, OWN, STREAK = 0, 1, 2, 3, 6, 7
 #: Columns of `rows`.
 SPEED, TIME, NEXT = 3, 6, 7
 #: Entries of the operation counts.
-COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS, DISTANCES = range(7)
+COMPARISONS, MOVES, PREDICTIONS, CROSSINGS, INVALID, WALL_EVENTS, RENEWALS, LIST_BUILDS, LIST_TESTS = range(9)
+OPERATIONS = 9
+#: Where `rival` begins.
+FIRST_NODE = 1
 #: So many nodes stay in the first two caches.
 NEAR_NODES = 1 << 13
 
@@ -100,6 +103,15 @@ def prefetch_entry(queue: Any, i: int) -> None:
     raise TypeError("not a queue")
 
 
+@dispatched(**INTERNAL)
+def rival(queue: Any, node: int, i: int) -> tuple[int, int, float]:
+    """One that may be next after i, which is the first, and when; and what to ask with for another one.
+
+    node: `FIRST_NODE`, and then what the answer before said.
+    """
+    raise TypeError("not a queue")
+
+
 # -- the tree --------------------------------------------------------------------------------------
 
 
@@ -127,6 +139,15 @@ def _tree_update(queue: Any, counts: Any, i: int, key: float) -> None:
 @implements(first, Tree)
 def _tree_first(queue: Any, counts: Any) -> int:
     return np.int64(queue.nodes[1])
+
+
+@implements(rival, Tree)
+def _tree_rival(queue: Any, node: int, i: int) -> tuple[int, int, float]:
+    # the winner of the half of the tree, of its quarter ..., that i is not in
+    nodes = queue.nodes
+    child = 2 * node + np.int64(nodes[2 * node] != i)
+    other = child ^ 1
+    return child, np.int64(nodes[other]), queue.keys[other]
 
 
 @implements(prefetch_entry, Tree)
@@ -222,6 +243,14 @@ def build_calendar(queue: Any, times: Any, now: float) -> None:
     queue.today[0] = _day_of(queue, max(now, 0.0))
     for i in range(times.size):
         _put(queue, i, times[i])
+
+
+@implements(rival, Calendar)
+def _calendar_rival(queue: Any, node: int, i: int) -> tuple[int, int, float]:
+    # the next one in the bucket, if there is one
+    j = np.int64(queue.after[node if node >= 0 else i])
+    j = j if j >= 0 else np.int64(i)
+    return j, j, queue.keys[j]
 
 
 @implements(prefetch_entry, Calendar)

@@ -15,7 +15,7 @@ import numpy as np
 
 from refimpl.events.kernels.compiled import inline_internal, kernel
 from refimpl.events.kernels.memory import prefetch
-from refimpl.events.kernels.schedule import CELL, DISTANCES, SPEED, tick
+from refimpl.events.kernels.schedule import CELL, LIST_BUILDS, LIST_TESTS, SPEED, TIME, tick
 from refimpl.events.prediction import NEVER, contact_distance, drift, falling_time, field_along, separation, speed_after
 
 #: Bits of a particle's number in a list; above them, the code of the shift by a period.
@@ -94,11 +94,24 @@ def gather_list(shells: Any, ids: Any, i: int) -> tuple[int, bool]:
 
 
 @inline_internal
+def prefetch_list(shells: Any, i: int) -> None:
+    """Hints to the processor that the list of i is needed soon."""
+    prefetch(shells.lists, i * 4 * shells.lists.shape[1])
+
+
+@inline_internal
+def prefetch_neighbours(shells: Any, rows: Any, i: int) -> None:
+    """Hints to the processor that the states of the neighbours of i are needed soon."""
+    for q in range(1, shells.lists[i, 0] + 1):
+        prefetch(rows, (shells.lists[i, q] & _NUMBER) * 64)
+
+
+@inline_internal
 def drop_from_lists(shells: Any, i: int) -> None:
     """Takes i from the lists of its neighbours, and empties its own."""
     lists = shells.lists
     for q in range(1, lists[i, 0] + 1):
-        prefetch(lists, (lists[i, q] & _NUMBER) * (4 * lists.shape[1]))
+        prefetch_list(shells, lists[i, q] & _NUMBER)
     for q in range(1, lists[i, 0] + 1):
         j = lists[i, q] & _NUMBER
         slot = 1
@@ -154,7 +167,7 @@ def find_neighbours(
                     most = range_of_lists(shells, contact_distance(model.diameter, model.radii, i, j))
                     ids[found] = (np.int64(code) << ID_BITS) | j
                     found += np.int64((a * a + b * b + c * c < most * most) & (j != i))
-    tick(counts, DISTANCES, looked)
+    tick(counts, LIST_TESTS, looked)
     if found + 1 >= lists.shape[1]:
         return -1
     for q in range(found):
@@ -164,12 +177,10 @@ def find_neighbours(
 
 
 @inline_internal
-def renew_list(
-    shells: Any, model: Any, grid: Any, particles: Any, ids: Any, counts: Any, i: int, now: float
-) -> int:
+def renew_list(shells: Any, model: Any, grid: Any, particles: Any, ids: Any, counts: Any, i: int, now: float) -> int:
     """Makes the list of a particle anew, about the place where it is now, which is wrapped into the box; see `MADE`."""
     rows, ints, cells = particles.rows, particles.ints, particles.cells
-    s = now - rows[i, 6]
+    s = now - rows[i, TIME]
     place, turns, cell = (0.0, 0.0, 0.0), (0, 0, 0), (0, 0, 0)
     for k in range(len(model.lengths)):
         x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
@@ -205,6 +216,7 @@ def renew_list(
         particles.images[i, k] += turns[k]
     for q in range(found):
         put_into_lists(shells, i, ids[q] & ID, ids[q] >> ID_BITS)
+    tick(counts, LIST_BUILDS, 1)
     return MADE
 
 

@@ -90,7 +90,7 @@ def test_columns_of_tallies():
     tallies = {
         "wall_impulse": np.stack([numbers] * 3),
         "wall_energy": np.stack([numbers[:, 0]] * 3),
-        "operation_counts": np.ones((3, 6)),
+        "operation_counts": np.ones((3, 9)),
     }
     table = observables(scene, fall(scene, **tallies))
     assert list(table) == ["time", "wall_impulse[y-].x", "wall_impulse[y-].y", "wall_energy[y-]", *OPERATIONS]
