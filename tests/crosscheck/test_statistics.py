@@ -25,8 +25,8 @@ from crosscheck.statistics import (
 
 @pytest.fixture(scope="module")
 def benchmark_module() -> Any:
-    """benchmarks/false_alarms.py, which has series with known correlations."""
-    return benchmark_named("false_alarms")
+    """benchmarks/evidence/false_alarms.py, which has series with known correlations."""
+    return benchmark_named("evidence/false_alarms")
 
 
 def autoregressive(rho: float, count: int, length: int, seed: int) -> np.ndarray:

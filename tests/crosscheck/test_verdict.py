@@ -335,7 +335,7 @@ def judged_series(series: np.ndarray, expected: float = 0.0) -> Judgement:
 
 @pytest.mark.parametrize(("length", "tau"), [(50, 0.5), (50, 1.2), (400, 0.5), (400, 4.0), (400, 10.0)])
 def test_false_alarms_of_correlated_series(length: int, tau: float) -> None:
-    """Of means and drifts, 1.2e-3 as stated, 1.9e-3 at most (benchmarks/false_alarms.py): 9 of 2000 once in 5000."""
+    """Means and drifts: 1.2e-3 stated, 1.9e-3 at most (benchmarks/evidence/false_alarms.py): 9 of 2000 once in 5000."""
     outcomes = Counter(judged_series(x).outcome for x in autoregressive(tau, 2000, length, seed=11))
     assert outcomes["fail"] <= 9
     assert outcomes["pass"] + outcomes["inconclusive"] >= 1991

@@ -9,9 +9,9 @@ from typing import Any
 
 
 def benchmark_named(name: str) -> Any:
-    """The module that a script is; name: its file's, without the suffix."""
+    """The module that a script is; name: of its file below benchmarks/, without the suffix."""
     path = Path(__file__).parents[2] / "benchmarks" / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(name, path)
+    spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)

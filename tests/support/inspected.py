@@ -17,8 +17,8 @@ from crosscheck.trajectories.frames import Box, Source
 from crosscheck.trajectories.memory import in_memory
 from crosscheck.verdict import FALSE_ALARM_OF_A_RUN, Judgement
 
-#: benchmarks/inspections.py, whose trajectories and planted faults the tests share.
-PLANTED = benchmark_named("inspections")
+#: benchmarks/evidence/inspections.py, whose trajectories and planted faults the tests share.
+PLANTED = benchmark_named("evidence/inspections")
 
 
 def cube(side: float = 5.0) -> Box:

@@ -1,17 +1,57 @@
-"""Speed of an engine beside its peer: the same scene, alternated, CPU seconds of the integration alone."""
+"""Speed of an engine beside its peer: the same scene, alternated, CPU seconds of the integration alone.
+
+A machine that others use is slower in one second than in the next. So the sides of a comparison take turns, and what
+counts is the median over the turns of the ratio within each.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from crosscheck.checks.base import Laboratory
-from crosscheck.scene import Method, Scene
+from crosscheck.engines.protocol import Cost
+from crosscheck.scene import Floats, Method, Scene
 from crosscheck.verdict import Judgement, bounded
 
 #: Turns of each engine; the median ratio counts, so that a disturbed turn does not.
 TURNS = 7
 EQUATION = "particles x steps / CPU seconds"
 CITATION = "Thompson et al., Comput. Phys. Commun. 271, 108171 (2022); Rein & Liu, A&A 537, A128 (2012)"
+
+
+class Turn(NamedTuple):
+    """One run of one side: seconds that it took, compilation and start apart; work: done in them; cost: of the run.
+
+    The work is in a unit of the comparison, such as particle steps. The seconds are those of the processor, or elapsed
+    ones where several threads are compared.
+    """
+
+    seconds: float
+    work: float
+    cost: Cost
+
+
+def alternated(sides: Mapping[str, Callable[[], Turn]], turns: int = TURNS, warm: int = 1) -> dict[str, list[Turn]]:
+    """The turns of each side, by its name: all sides in each, one after the other.
+
+    sides: functions that run one turn, by names. turns: of each side. warm: turns before them, which do not count: they
+    warm caches.
+    """
+    taken: dict[str, list[Turn]] = {name: [] for name in sides}
+    for turn in range(-warm, turns):
+        for name, run in sides.items():
+            done = run()
+            if turn >= 0:
+                taken[name].append(done)
+    return taken
+
+
+def rates(turns: list[Turn]) -> Floats:
+    """Work per second of each turn, (turns,)."""
+    return np.array([turn.work / turn.seconds for turn in turns])
 
 
 def criterion(goal: str) -> str:
@@ -24,14 +64,18 @@ def beside(laboratory: Laboratory, scene: Scene, method: Method, peer: str, goal
 
     laboratory: of the engine under judgement. scene, method: what both engines run. peer: name of the other engine.
     """
-    rates: dict[str, list[float]] = {laboratory.engine: [], peer: []}
-    for turn in range(TURNS + 1):
-        for engine, found in rates.items():
+
+    def side(engine: str) -> Callable[[], Turn]:
+        def run() -> Turn:
             cost = laboratory.run(scene, method, engine=engine).cost
-            if turn:  # the first turn warms caches
-                found.append(scene.number * cost.steps / cost.cpu)
-    ratios = np.array(rates[laboratory.engine]) / np.array(rates[peer])
-    ours, theirs = (float(np.median(found)) for found in rates.values())
+            return Turn(cost.cpu, scene.number * cost.steps, cost)
+
+        return run
+
+    taken = alternated({engine: side(engine) for engine in (laboratory.engine, peer)})
+    found = {engine: rates(turns) for engine, turns in taken.items()}
+    ratios = found[laboratory.engine] / found[peer]
+    ours, theirs = (float(np.median(rate)) for rate in found.values())
     return bounded(
         f"particle steps per CPU second, ratio to {peer}",
         float(np.median(ratios)),

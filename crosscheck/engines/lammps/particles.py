@@ -17,6 +17,8 @@ _FAR = 1e50
 #: Largest number of bodies with gravity: the neighbour list holds all pairs, at most 2000 neighbours of an atom.
 MOST_BODIES = 2000
 _LJ_STYLES = {"truncated": "lj/cut/opt", "shifted": "lj/cut/opt", "force_shifted": "lj/smooth/linear"}
+#: Skin of the lists of Lennard-Jones particles in largest sigmas, as in LAMMPS's own benchmark.
+_SKIN = 0.3
 
 
 def integrate(lammps: Any, lmp: Any, scene: Scene, method: Method) -> Run:
@@ -146,7 +148,7 @@ def _lennard_jones(scene: Scene, types: list[tuple[int, float]]) -> Iterator[str
         epsilon = epsilons[i] if same else float(np.sqrt(epsilons[i] * epsilons[j]))  # Berthelot
         yield f"pair_coeff {i + 1} {j + 1} {epsilon!r} {0.5 * (sigmas[i] + sigmas[j])!r}"  # Lorentz
     few_unbounded = "open" in scene.boundaries and scene.number <= FEW
-    yield f"neighbor {0.3 * max(sigmas)!r} {'nsq' if few_unbounded else 'bin'}"
+    yield f"neighbor {_SKIN * max(sigmas)!r} {'nsq' if few_unbounded else 'bin'}"
     yield "neigh_modify every 1 delay 0 check yes"
     wall = None if scene.box is None else scene.box.wall
     if wall is not None:

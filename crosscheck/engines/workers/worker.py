@@ -61,9 +61,9 @@ def answer(engine: Engine, request: dict[str, Any]) -> dict[str, Any]:
 def _run(engine: Engine, scene: Scene, method: Method, request: dict[str, Any]) -> Run:
     """The run; from the state in the file `restart` of the request, and to that in `keep`, if they are given."""
     restart, keep = request.get("restart"), request.get("keep")
-    if isinstance(engine, Restartable) and keep is not None:
+    if isinstance(engine, Restartable) and (keep is not None or restart is not None):
         run, state = engine.run_from(scene, method, None if restart is None else read_arrays(Path(restart)))
-        if state is not None and not run.diverged and not run.stopped:
+        if keep is not None and state is not None and not run.diverged and not run.stopped:
             np.savez(keep, allow_pickle=False, **state)
         return run
     if restart is not None:

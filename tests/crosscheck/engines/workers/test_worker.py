@@ -342,3 +342,12 @@ def test_interpreted_engine_compiles_nothing(tmp_path: Path, monkeypatch: pytest
         worker.close()
     assert run.cost.events > 0
     assert not list(tmp_path.iterdir())
+
+
+def test_a_run_can_go_on_without_a_state_of_its_own_end(interpreted: Worker, tmp_path: Path) -> None:
+    method, middle = Method(scheme="velocity_verlet", dt=0.1), tmp_path / "middle.npz"
+    whole = interpreted.run(SCENE.changed(duration=0.2), method)
+    interpreted.run(SCENE, method, keep=middle)
+    for _ in range(2):  # the state is not used up
+        end = interpreted.run(SCENE, method, restart=middle)
+        assert end["final_positions"] == whole["final_positions"]

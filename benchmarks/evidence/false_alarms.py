@@ -1,6 +1,6 @@
 """How often a right code is red: judgements of simulated series whose mean is what is expected, and which do not drift.
 
-    python benchmarks/false_alarms.py [number of series of each kind]
+    python benchmarks/evidence/false_alarms.py [number of series of each kind]
 
 Normal series with known correlations: autoregressive ones of first order, with positive and negative coefficients, and
 of second order, which oscillate; sums of two exponentials; and correlations that decay as t^-3/2, as hydrodynamic ones

@@ -1,6 +1,6 @@
 """How often `compare` is wrong: seeded pairs of runs that differ by rounding alone, and of runs with a bug.
 
-    python benchmarks/comparisons.py [SEEDS]
+    python benchmarks/evidence/comparisons.py [SEEDS]
 
 Lennard-Jones particles, and hard disks or spheres; number, temperature, packing and output interval follow from the
 seed. Files of 64 bits, of 32 bits, and of six digits. Prints how often each class was found, and all pairs that were

@@ -1,6 +1,6 @@
 """How often `crosscheck inspect` is red of right trajectories, and which planted faults turn which property red.
 
-    python benchmarks/inspections.py [--seeds K] [--kind NAME ...]
+    python benchmarks/evidence/inspections.py [--seeds K] [--kind NAME ...]
 
 Right trajectories of equilibrium, K of each kind with seeds 0 to K - 1: Lennard-Jones fluids and hard spheres of one
 and of two species by `refimpl`, hard disks between thermal walls, particles of Ornstein and Uhlenbeck (exact), waves of

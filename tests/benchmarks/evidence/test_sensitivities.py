@@ -1,4 +1,4 @@
-"""benchmarks/sensitivities.py on numbers that are drawn, not simulated: what it says of right and of wrong errors."""
+"""benchmarks/evidence/sensitivities.py on numbers that are drawn, not simulated: what it says of errors."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DEVIATION = 1.0
 
 @pytest.fixture(scope="module")
 def benchmark_module() -> Any:
-    return benchmark_named("sensitivities")
+    return benchmark_named("evidence/sensitivities")
 
 
 def mean_of(scale: float, doubt: float = 0.0) -> Callable[[Any], Callable[[], Judged]]:

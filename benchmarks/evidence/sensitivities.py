@@ -1,6 +1,6 @@
 """Whether a deviation of the stated sensitivity is seen in 90 % of all runs, where the data of an engine have it.
 
-    python benchmarks/sensitivities.py [pattern of checks or cases ...] [--seeds K] [--tier full] [--engine NAME]
+    python benchmarks/evidence/sensitivities.py [pattern of checks or cases ...] [--seeds K] [--tier T] [--engine NAME]
 
 For each number that a case judges statistically with a standard error, one observable of the engine's runs is altered:
 multiplied by 1 + epsilon, in all or in the first half of the particles, the first component or one of several runs

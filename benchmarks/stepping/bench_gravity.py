@@ -1,0 +1,11 @@
+"""`refimpl.stepping.forces.gravity` beside REBOUND: few bodies on circles, and clouds."""
+
+from crosscheck.checks.performance.races import Race
+from crosscheck.checks.performance.stepping_races import gravity_race
+
+RACES = tuple(gravity_race(number) for number in (2, 3, 16, 64, 256, 1024, 4096))
+SHORT = (gravity_race(3, pairs=1e3), gravity_race(64, pairs=1e4))
+
+
+def bench_gravity(race: Race, side: str, read_out) -> None:
+    read_out(race, side)
