@@ -82,7 +82,7 @@ def _beside_memory(laboratory: Laboratory, name: str) -> Judgement:
 
 
 def _free_cores() -> float:
-    """How many cores two threads find that share nothing: the time that they take beside that of one."""
+    """How many cores two threads find that share nothing: by the longest that they take, and the shortest of one."""
     text = bytes(1 << 25)
 
     def seconds(threads: int) -> float:
@@ -92,7 +92,7 @@ def _free_cores() -> float:
                 done.result()
             return time.perf_counter() - started
 
-    return 2 * seconds(1) / seconds(2)
+    return 2 * min(seconds(1) for _ in range(3)) / max(seconds(2) for _ in range(3))
 
 
 def _without_cores(turns: int, found: float) -> Judgement:
