@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import time
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
-from hashlib import sha256
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from crosscheck.checks.base import Check, Laboratory, full
 from crosscheck.checks.lattice.gases import LATTICE, filled, gas_scene
+from crosscheck.checks.performance.speeds import by_two_threads
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
 from crosscheck.references.lattice_models import VELOCITIES
@@ -19,7 +17,6 @@ from crosscheck.scene import Method, Output
 from crosscheck.verdict import Judged, Judgement, bounded
 
 PLANES, LOOKUP, NUMPY = (Method(scheme=f"lattice_{name}") for name in ("planes", "lookup", "numpy"))
-BY_TWO = Method(scheme=PLANES.scheme, threads=2)
 TURNS, SIZE, STEPS = 7, 4096, 256
 #: Rows that a core's second cache holds.
 _IN_CACHE = 64
@@ -29,8 +26,6 @@ _BY_STEPS = {"hpp": 1.53, "fhp1": 1.06, "fhp_saturated": 1.06, "fhp3": 0.94}
 _FASTER, _SPEED_UP = 1.5, 1.9
 #: Of a goal, what is asked for.
 _ASKED = 0.9
-#: Turns at most, until this many found two free cores; and cores that two threads find there that share nothing.
-_ATTEMPTS, _COUNTED, _FREE = 12, 5, 1.9
 
 
 def _copy_bandwidth() -> float:
@@ -81,55 +76,9 @@ def _beside_memory(laboratory: Laboratory, name: str) -> Judgement:
     )
 
 
-def _free_cores() -> float:
-    """How many cores two threads find that share nothing: by the longest that they take, and the shortest of one."""
-    text = bytes(1 << 25)
-
-    def seconds(threads: int) -> float:
-        with ThreadPoolExecutor(threads) as pool:
-            started = time.perf_counter()
-            for done in [pool.submit(sha256, text) for _ in range(threads)]:
-                done.result()
-            return time.perf_counter() - started
-
-    return 2 * min(seconds(1) for _ in range(3)) / max(seconds(2) for _ in range(3))
-
-
-def _without_cores(turns: int, found: float) -> Judgement:
-    """Nothing is decided where other programs run. turns: that found two free cores; found: cores, in the median."""
-    needed = bounded(
-        "turns with two free cores",
-        turns,
-        _COUNTED,
-        "fewer say nothing of a median",
-        at_least=True,
-        note=f"two threads that share nothing had {found:.2f} cores: run it where nothing else runs",
-    )
-    return replace(needed, outcome="inconclusive")
-
-
 def _by_threads(laboratory: Laboratory, name: str) -> Judgement:
     scene = gas_scene("large", name, SIZE, SIZE, STEPS, filled(0.3, laboratory.seed()), Output())
-    ratios: list[float] = []
-    free = [_free_cores()]
-    for turn in range(_ATTEMPTS + 1):
-        one, two = (laboratory.run(scene, method).cost.wall for method in (PLANES, BY_TWO))
-        free.append(_free_cores())
-        if turn and min(free[-2:]) >= _FREE:  # the first turn warms
-            ratios.append(one / two)
-        if len(ratios) == _COUNTED:
-            break
-    if len(ratios) < _COUNTED:
-        return _without_cores(len(ratios), float(np.median(free)))
-    return bounded(
-        "time of one thread over that of two",
-        float(np.median(ratios)),
-        _ASKED * _SPEED_UP,
-        f"{_ASKED} of the goal, {_SPEED_UP}; median of {_COUNTED} turns with two free cores, of {min(ratios):.2f} ... "
-        f"{max(ratios):.2f}",
-        at_least=True,
-        note=f"{SIZE} x {SIZE} sites, {STEPS} steps",
-    )
+    return by_two_threads(laboratory, scene, PLANES, _ASKED * _SPEED_UP, f"{SIZE} x {SIZE} sites, {STEPS} steps")
 
 
 def _beside_lookup(laboratory: Laboratory, name: str) -> Judgement:

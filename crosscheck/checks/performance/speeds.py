@@ -6,7 +6,11 @@ counts is the median over the turns of the ratio within each.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from hashlib import sha256
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +22,9 @@ from crosscheck.verdict import Judgement, bounded
 
 #: Turns of each engine; the median ratio counts, so that a disturbed turn does not.
 TURNS = 7
+#: Turns of one thread and two at most, until so many found two free cores; cores that two threads find there that share
+#: nothing.
+_ATTEMPTS, _COUNTED, _FREE = 12, 5, 1.9
 EQUATION = "particles x steps / CPU seconds"
 CITATION = "Thompson et al., Comput. Phys. Commun. 271, 108171 (2022); Rein & Liu, A&A 537, A128 (2012)"
 
@@ -83,4 +90,59 @@ def beside(laboratory: Laboratory, scene: Scene, method: Method, peer: str, goal
         f"the goal; median of {TURNS} alternated turns, of {ratios.min():.2f} ... {ratios.max():.2f}",
         at_least=True,
         note=f"{laboratory.engine} {ours:.3g}, {peer} {theirs:.3g} particle steps per CPU second",
+    )
+
+
+def _free_cores() -> float:
+    """How many cores two threads find that share nothing: by the longest that they take, and the shortest of one."""
+    text = bytes(1 << 25)
+
+    def seconds(threads: int) -> float:
+        with ThreadPoolExecutor(threads) as pool:
+            started = time.perf_counter()
+            for done in [pool.submit(sha256, text) for _ in range(threads)]:
+                done.result()
+            return time.perf_counter() - started
+
+    return 2 * min(seconds(1) for _ in range(3)) / max(seconds(2) for _ in range(3))
+
+
+def _without_cores(turns: int, found: float) -> Judgement:
+    """Nothing is decided where other programs run. turns: that found two free cores; found: cores, in the median."""
+    needed = bounded(
+        "turns with two free cores",
+        turns,
+        _COUNTED,
+        "fewer say nothing of a median",
+        at_least=True,
+        note=f"two threads that share nothing had {found:.2f} cores: run it where nothing else runs",
+    )
+    return replace(needed, outcome="inconclusive")
+
+
+def by_two_threads(laboratory: Laboratory, scene: Scene, method: Method, asked: float, note: str) -> Judgement:
+    """Elapsed time of one thread over that of two, at least `asked`; inconclusive where two cores are not free.
+
+    laboratory: of the engine under judgement. scene, method: what it runs. note: what that is, in words.
+    """
+    ratios: list[float] = []
+    free = [_free_cores()]
+    for turn in range(_ATTEMPTS + 1):
+        one, two = (
+            laboratory.run(scene, method.model_copy(update={"threads": threads})).cost.wall for threads in (1, 2)
+        )
+        free.append(_free_cores())
+        if turn and min(free[-2:]) >= _FREE:  # the first turn warms
+            ratios.append(one / two)
+        if len(ratios) == _COUNTED:
+            break
+    if len(ratios) < _COUNTED:
+        return _without_cores(len(ratios), float(np.median(free)))
+    return bounded(
+        "time of one thread over that of two",
+        float(np.median(ratios)),
+        asked,
+        f"0.9 of the goal; median of {_COUNTED} turns with two free cores, of {min(ratios):.2f} ... {max(ratios):.2f}",
+        at_least=True,
+        note=note,
     )

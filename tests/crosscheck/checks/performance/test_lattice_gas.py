@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from crosscheck.checks.performance import lattice_gas
+from crosscheck.checks.performance import lattice_gas, speeds
 from crosscheck.scene import Method, Scene
 from crosscheck.verdict import Judgement
 
@@ -30,7 +30,7 @@ class Stopwatch:
 def judged(monkeypatch: pytest.MonkeyPatch, share: float, cores: list[float]) -> tuple[Judgement, int]:
     """cores: that are found free, again and again."""
     turns = iter(cores * 100)
-    monkeypatch.setattr(lattice_gas, "_free_cores", lambda: next(turns))
+    monkeypatch.setattr(speeds, "_free_cores", lambda: next(turns))
     laboratory: Any = Stopwatch(share)
     return lattice_gas._by_threads(laboratory, "hpp"), laboratory.runs
 
@@ -42,7 +42,7 @@ def test_two_threads_are_judged_where_two_cores_are_free(
     found, runs = judged(monkeypatch, share, [1.95])
     assert found.outcome == outcome
     assert found.measured == pytest.approx(1 / share)
-    assert runs == 2 * (1 + lattice_gas._COUNTED)
+    assert runs == 2 * (1 + speeds._COUNTED)
 
 
 @pytest.mark.parametrize("share", [0.55, 1.0])
@@ -53,8 +53,8 @@ def test_nothing_is_judged_where_cores_are_taken_before_or_after(
     found, runs = judged(monkeypatch, share, cores)
     assert found.outcome == "inconclusive"
     assert "run it where nothing else runs" in found.note
-    assert runs == 2 * (1 + lattice_gas._ATTEMPTS)
+    assert runs == 2 * (1 + speeds._ATTEMPTS)
 
 
 def test_cores_are_counted() -> None:
-    assert lattice_gas._free_cores() > 0
+    assert speeds._free_cores() > 0
