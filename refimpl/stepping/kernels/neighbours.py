@@ -574,56 +574,76 @@ def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
     number = len(neighbours.order)
     reach = _list_radius(neighbours, neighbours.cutoff + neighbours.skin)
     reach2 = reach * reach
-    columns_b = grid.b.cells + 2 * grid.b.around
+    runs = np.empty(2 * len(image_offset), dtype=np.int64)
     found = 0
     tests = 0
     for tile in range(len(first) - 1):
         first[tile] = found
         base = tile * WIDTH * dimension
         members = min(WIDTH, number - tile * WIDTH)
-        a_low, a_high, a_from, a_to = _range(grid.a, tiles, base, members, reach)
-        b_low, b_high, b_from, b_to = _range(grid.b, tiles, base + WIDTH, members, reach)
-        if dimension == 2:
-            b_low, b_high, b_from, b_to = 0.0, 0.0, 0, 0
-        c_low, c_high, _, _ = _range(grid.c, tiles, base + (dimension - 1) * WIDTH, members, reach)
+        count = _runs(grid, tiles, start, image_offset, base, members, dimension, reach, runs)
         xi = load(tiles, base)
         yi = load(tiles, base + WIDTH)
         zi = load(tiles, base + (dimension - 1) * WIDTH)
-        for a in range(a_from, a_to + 1):
-            shift_a = _shift(grid.a, a)
-            gap_a = _gap(grid.a, a, a_low, a_high)
-            for b in range(b_from, b_to + 1):
-                shift_b = _shift(grid.b, b)
-                gap_b = _gap(grid.b, b, b_low, b_high)
-                left2 = reach2 - gap_a * gap_a - gap_b * gap_b
-                if left2 <= 0:
-                    continue
-                left = np.sqrt(left2) + grid.c.rounding
-                c_from = int(np.floor((c_low - left - grid.c.low) * grid.c.inverse))
-                c_to = int(np.floor((c_high + left - grid.c.low) * grid.c.inverse))
-                column = _column(grid, a - shift_a * grid.a.cells, b - shift_b * grid.b.cells)
-                position = ((a + grid.a.around) * columns_b + b + grid.b.around) * (2 * grid.c.shells + 1)
-                for shift_c in range(-grid.c.shells, grid.c.shells + 1):
-                    low, high = _imaged(grid, shift_c)
-                    low = max(low, c_from - shift_c * grid.c.cells)
-                    high = min(high, c_to - shift_c * grid.c.cells)
-                    if low > high:
-                        continue
-                    slot, end = _slots(grid, start, column, low, high)
-                    slot += image_offset[position + shift_c + grid.c.shells]
-                    end += image_offset[position + shift_c + grid.c.shells]
-                    if found + end - slot > len(entries):
-                        neighbours.bookkeeping[ENTRIES] = found + end - slot
-                        return False
-                    tests += end - slot
-                    for j in range(slot, end):
-                        entries[found] = j
-                        near = any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
-                        found += near & (j // WIDTH != tile)
+        for run in range(0, count, 2):
+            slot, end = runs[run], runs[run + 1]
+            if found + end - slot > len(entries):
+                neighbours.bookkeeping[ENTRIES] = found + end - slot
+                return False
+            tests += end - slot
+            # the slots of the tile itself, which one run holds, are left out: what comes before them, and what after
+            own = max(slot, min(end, tile * WIDTH))
+            for j in range(slot, own):
+                entries[found] = j
+                found += any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
+            for j in range(max(own, min(end, tile * WIDTH + WIDTH)), end):
+                entries[found] = j
+                found += any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
     first[len(first) - 1] = found
     neighbours.bookkeeping[ENTRIES] = found
     neighbours.bookkeeping[TESTS] += tests
     return True
+
+
+@inline_internal
+def _runs(grid, tiles, start, image_offset, base, members, dimension, reach, runs):  # type: ignore[no-untyped-def]
+    """Runs of slots that a tile may reach, one in each column or image of a column; returns twice their number.
+
+    runs: gets the first slot and the end of each.
+    """
+    a_low, a_high, a_from, a_to = _range(grid.a, tiles, base, members, reach)
+    b_low, b_high, b_from, b_to = _range(grid.b, tiles, base + WIDTH, members, reach)
+    if dimension == 2:
+        b_low, b_high, b_from, b_to = 0.0, 0.0, 0, 0
+    c_low, c_high, _, _ = _range(grid.c, tiles, base + (dimension - 1) * WIDTH, members, reach)
+    columns_b = grid.b.cells + 2 * grid.b.around
+    count = 0
+    for a in range(a_from, a_to + 1):
+        shift_a = _shift(grid.a, a)
+        left_a = reach * reach - _gap(grid.a, a, a_low, a_high) ** 2
+        for b in range(b_from, b_to + 1):
+            shift_b = _shift(grid.b, b)
+            left2 = left_a - _gap(grid.b, b, b_low, b_high) ** 2
+            left = np.sqrt(max(left2, 0.0)) + grid.c.rounding
+            c_from = int(np.floor((c_low - left - grid.c.low) * grid.c.inverse))
+            c_to = int(np.floor((c_high + left - grid.c.low) * grid.c.inverse))
+            column = _column(grid, a - shift_a * grid.a.cells, b - shift_b * grid.b.cells)
+            position = ((a + grid.a.around) * columns_b + b + grid.b.around) * (2 * grid.c.shells + 1)
+            first_shift = -grid.c.shells if c_from < 0 else 0
+            last_shift = grid.c.shells if c_to >= grid.c.cells else 0
+            for shift_c in range(first_shift, last_shift + 1):
+                low, high = _imaged(grid, shift_c)
+                low = max(low, c_from - shift_c * grid.c.cells)
+                high = min(high, c_to - shift_c * grid.c.cells)
+                # no branch: which columns are out of reach cannot be foretold
+                wanted = (low <= high) & (left2 > 0)
+                low, high = min(low, grid.c.cells - 1), max(high, 0)
+                slot, end = _slots(grid, start, column, low, high)
+                offset = image_offset[position + shift_c + grid.c.shells]
+                runs[count] = slot + offset
+                runs[count + 1] = end + offset
+                count += 2 * wanted
+    return count
 
 
 @inline_internal
