@@ -116,6 +116,8 @@ class Simulation:
         walls = model.walls and model.walls._replace(numbers=model.walls.numbers.copy())
         self.model = model = model._replace(lengths=lengths, walls=walls)
         width = shell_width(model, n, scheduler, fields) if shell is None else shell
+        if width > 0 and not lists_possible(model, n, fields, width):
+            raise ValueError(f"shell: {shell:g} is not possible in this scene, with walls, fields or few cells; give 0")
         self._grid, blocks = _grid(model, n, quantum, fields, width)
         self._rows, ints = _aligned(n, 8, np.float64), _aligned(n, 8, np.int32)
         self._rows[:, :d] = np.round(x / quantum) * quantum
@@ -571,20 +573,29 @@ def _reach(model: HardSpheres) -> float:
 def shell_width(model: HardSpheres, n: int, scheduler: Scheduler, fields: tuple[int, ...] | None) -> float:
     """Width of the shells of lists of neighbours, length; 0 where cells alone are used.
 
-    Cells: where the fields are measured on them, for the documented lists of events, in boxes of less than three
-    cells, for very unequal particles. Else lists where `neighbours` is the scheduler, and where they are expected to
-    cost less: in a gas of the mean density, after Enskog, a function of the model and the number of particles alone.
+    Lists where `neighbours` is the scheduler, and where they are expected to cost less: in a gas of the mean density,
+    after Enskog, a function of the model and the number of particles alone. But cells where lists are not possible,
+    see `lists_possible`, and for the documented lists of events.
     """
     mean, density = _mean_size(model, n), n / math.prod(model.lengths)
     width = SHELL * mean
-    if fields is not None or scheduler == "lists" or n > shells.MOST or mean < LEAST_MEAN * model.diameter or mean == 0:
-        return 0.0
-    if any(length < 3 * (_reach(model) + 2 * width) for length in model.lengths):
+    if scheduler == "lists" or not lists_possible(model, n, fields, width):
         return 0.0
     if scheduler == "neighbours":
         return width
     fixed = model.inverse_masses is not None and bool((model.inverse_masses == 0).any())
     return width if n >= MANY and not fixed and _lists_pay(model, density, mean, width) else 0.0
+
+
+def lists_possible(model: HardSpheres, n: int, fields: tuple[int, ...] | None, width: float) -> bool:
+    """Whether there can be lists of neighbours, in shells of a width: without walls, fields of force, fields measured.
+
+    Not in boxes of less than three cells, nor for very unequal particles, nor for points. n: number of particles.
+    """
+    bare = model.walls is None and model.cylinder is None and model.acceleration is None and fields is None
+    alike = _mean_size(model, n) > LEAST_MEAN * model.diameter
+    wide = all(length >= 3 * (_reach(model) + 2 * width) for length in model.lengths)
+    return bare and alike and wide and n <= shells.MOST
 
 
 def _mean_size(model: HardSpheres, n: int) -> float:
@@ -633,8 +644,7 @@ def _grid(
         blocks.append(max(1, int(side / natural)))
         counts.append(fields[axis] * blocks[axis])
     sides = [length / count for length, count in zip(model.lengths, counts, strict=True)]
-    # a particle with a list of neighbours is in the cell of its shell's centre
-    overlaps = [width if width > 0 else 0.0 if fields is not None else 0.5 * OVERLAP * (side - reach) for side in sides]
+    overlaps = [0.0 if fields is not None else 0.5 * OVERLAP * (side - reach) for side in sides]
     pad = 3 - d
     shifts = np.zeros((27, 8))
     for axis, (length, wraps) in enumerate(zip(model.lengths, model.periodic, strict=True)):

@@ -148,6 +148,7 @@ CHECKS = (
                 **{
                     queue: _Feature(3, "gas", Method(scheme=f"event_driven_{queue}")) for queue in ("lists", "calendar")
                 },
+                neighbours=_Feature(2, "gas", Method(scheme="event_driven_neighbours")),
             ),
         ),
         needs=interpretable(event_driven(observables=" ".join(_MOST))),

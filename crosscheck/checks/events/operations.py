@@ -58,6 +58,7 @@ def _judge(laboratory: Laboratory, queue: _Queue) -> Judged:
     run = laboratory.run(_scene(queue.gas), queue.method)
     cost, collisions = run.cost, float(run["collisions"][-1])
     stale, crossings, events = counted(cost, "stale_events"), counted(cost, "cell_crossings"), float(cost.events)
+    events -= _own_work(run, "renewals") + _own_work(run, "list_builds")
     predictions, comparisons = counted(cost, "predictions"), counted(cost, "comparisons")
     judged = [
         bounded(
@@ -74,7 +75,7 @@ def _judge(laboratory: Laboratory, queue: _Queue) -> Judged:
         ),
     ]
     if queue.levels is not None:
-        updates = events + collisions
+        updates = float(cost.events) + collisions
         judged.append(
             at_most(
                 f"comparisons over {queue.levels:g} ln N/ln 2 of an update",
@@ -86,10 +87,17 @@ def _judge(laboratory: Laboratory, queue: _Queue) -> Judged:
     if laboratory.engine == "refimpl":
         moving = _DISKS * 3 // 4 if queue.gas.fixed else _DISKS
         judged.append(exactly("first events of particles", events - collisions - crossings - stale, moving))
-        if not queue.gas.fixed:  # a collision with a fixed disk updates one particle, which the counts do not tell
+        if queue.method == _NEIGHBOURS:
+            judged.append(exactly("passages of cells' faces", crossings, 0))
+        elif not queue.gas.fixed:  # a collision with a fixed disk updates one particle, which the counts do not tell
             judged.append(_neighbourhoods(queue, predictions, collisions, stale, crossings))
         judged.append(_moves(queue, run))
     return worst([*judged, *as_known(laboratory, cost, queue.known)], f"{collisions:.0f} collisions of {_DISKS} disks")
+
+
+def _own_work(run: Run, name: str) -> float:
+    """The number of events of a kind that an algorithm has for itself alone, by the name of the operation."""
+    return float(run["operation_counts"][-1, OPERATIONS.index(name)])
 
 
 def _neighbourhoods(queue: _Queue, predictions: float, collisions: float, stale: float, crossings: float) -> Judgement:
@@ -108,7 +116,7 @@ def _neighbourhoods(queue: _Queue, predictions: float, collisions: float, stale:
 
 def _moves(queue: _Queue, run: Run) -> Judgement:
     """Steps along lists of events, and nodes of them that are put away; none without such lists."""
-    moves = float(run["operation_counts"][-1, OPERATIONS.index("list_moves")])
+    moves = _own_work(run, "list_moves")
     if queue.moves == 0:
         return exactly("steps along lists of events", moves, 0)
     return alike("list moves", moves, queue.moves)
@@ -116,6 +124,12 @@ def _moves(queue: _Queue, run: Run) -> Judgement:
 
 _LISTS = Method(scheme="event_driven_lists")
 _CALENDAR = Method(scheme="event_driven_calendar")
+_NEIGHBOURS = Method(scheme="event_driven_neighbours")
+
+
+def _made(lists: float, distances: float) -> dict[str, float]:
+    """The known counts of lists of neighbours that were made, and of the distances looked at for them."""
+    return {"list_builds": lists, "list_tests": distances}
 
 
 def _variant(name: str, queue: _Queue, words: str = "") -> Variant:
@@ -157,6 +171,36 @@ CHECKS = (
                     {"predictions": 10764, "comparisons": 926, "stale_events": 41, "cell_crossings": 150},
                 ),
             ),
+            _variant(
+                "neighbours",
+                _Queue(
+                    _NEIGHBOURS,
+                    1.0,
+                    {
+                        "predictions": 6657,
+                        "comparisons": 9362,
+                        "stale_events": 39,
+                        "list_builds": 767,
+                        "list_tests": 9053,
+                    },
+                ),
+            ),
+            _variant(
+                "neighbours-3d",
+                _Queue(
+                    _NEIGHBOURS,
+                    1.0,
+                    {
+                        "predictions": 12999,
+                        "comparisons": 7576,
+                        "stale_events": 61,
+                        "list_builds": 484,
+                        "list_tests": 30976,
+                    },
+                    gas=_Gas(3, 0.5, 2.0),
+                ),
+                "dimension=3",
+            ),
             # most events are crossings of cells
             _variant(
                 "dilute",
@@ -179,6 +223,26 @@ CHECKS = (
         interpreted=True,
         faults=(
             ("tree", LINEAR_SCAN),
+            (
+                "neighbours",
+                Fault(
+                    "impatient-lists",
+                    "events/kernels/shells.py",
+                    "width = (1.0 - SLACK) * shells.width",
+                    "width = (0.9 - SLACK) * shells.width",
+                    "lists of neighbours are made anew before their particles leave their shells",
+                ),
+            ),
+            (
+                "neighbours-3d",
+                Fault(
+                    "long-lists",
+                    "events/kernels/shells.py",
+                    "return distance * shells.reach + 2.0 * shells.width",
+                    "return distance * shells.reach + 2.3 * shells.width",
+                    "lists of neighbours hold some that cannot come near while they are good",
+                ),
+            ),
             (
                 "calendar",
                 Fault(

@@ -6,7 +6,8 @@ lists; cells, of the centres, are looked at only where a list is made (A. Donev,
 Comput. Phys. 202, 737 (2005); F. Smallenburg, Eur. Phys. J. E 45, 22 (2022)).
 
 Lists change what is looked at, and never a state or the time of a pair's event: the events are those that cells give,
-to the last bit.
+to the last bit. They are for particles without walls and fields: the time of a wall's event is rounded as the clock is
+when it was last predicted.
 """
 
 from typing import Any, NamedTuple
@@ -16,7 +17,7 @@ import numpy as np
 from refimpl.events.kernels.compiled import inline_internal, kernel
 from refimpl.events.kernels.memory import prefetch
 from refimpl.events.kernels.schedule import CELL, LIST_BUILDS, LIST_TESTS, SPEED, TIME, tick
-from refimpl.events.prediction import NEVER, contact_distance, drift, falling_time, field_along, separation, speed_after
+from refimpl.events.prediction import NEVER, contact_distance, separation
 
 #: Bits of a particle's number in a list; above them, the code of the shift by a period.
 NUMBER_BITS = 26
@@ -30,8 +31,6 @@ ID = (1 << ID_BITS) - 1
 NO_SHIFT, LAST_SHIFT = 13, 26
 #: Share of the width that rounding may hide.
 SLACK = 1e-6
-#: Share of the width that is for the fall in a field, and not for the straight path.
-FALL = 0.125
 #: What became of a new list: there was no room in the cell, or in a list, and nothing has been done; it is there.
 NO_CELL, NO_LIST, MADE = range(3)
 
@@ -56,28 +55,17 @@ def range_of_lists(shells: Any, distance: float) -> float:
 
 @inline_internal
 def leaving_shell(shells: Any, model: Any, rows: Any, i: int, s: float) -> float:
-    """Time until the particle, whose state is older than the present by s, leaves its shell; in a field not later."""
-    b, c, w, a2 = 0.0, 0.0, 0.0, 0.0
+    """Time until the particle, whose state is older than the present by s, leaves its shell."""
+    b, c, w = 0.0, 0.0, 0.0
     for k in range(len(model.lengths)):
-        v = speed_after(rows[i, SPEED + k], model.acceleration, k, s)
-        r = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s) - shells.centres[i, k]
-        a = field_along(model.acceleration, k)
+        v = rows[i, SPEED + k]
+        r = rows[i, k] + v * s - shells.centres[i, k]
         b += r * v
         c += r * r
         w += v * v
-        a2 += a * a
-    fall = _share_of_the_fall(model.acceleration)
-    width = (1.0 - SLACK - fall) * shells.width
+    width = (1.0 - SLACK) * shells.width
     c = min(c - width * width, 0.0)
-    span = separation(b, c, w, b * b - w * c) if w > 0.0 else NEVER
-    return min(span, falling_time(fall * shells.width, 0.0, -np.sqrt(a2)))
-
-
-@inline_internal
-def _share_of_the_fall(acceleration: Any) -> float:
-    if acceleration is None:
-        return 0.0
-    return FALL
+    return separation(b, c, w, b * b - w * c) if w > 0.0 else NEVER
 
 
 @inline_internal
@@ -183,7 +171,7 @@ def renew_list(shells: Any, model: Any, grid: Any, particles: Any, ids: Any, cou
     s = now - rows[i, TIME]
     place, turns, cell = (0.0, 0.0, 0.0), (0, 0, 0), (0, 0, 0)
     for k in range(len(model.lengths)):
-        x = drift(rows[i, k], rows[i, SPEED + k], model.acceleration, k, s)
+        x = rows[i, k] + rows[i, SPEED + k] * s
         turn = np.int64(np.floor(x / model.lengths[k])) if grid.wraps[k] else np.int64(0)
         x -= turn * model.lengths[k]
         column = min(max(np.int64(np.floor(x / grid.sides[k])), 0), grid.counts[k] - 1)
