@@ -25,7 +25,9 @@ beside it says what the run is worth. In particular:
   ten steps are remarked on; smooth forces are not, look at the energy (`crosscheck simulate --judge` does).
 * The energy of velocity Verlet walks at random with the roundings of the steps, over 1e8 steps, if the binary digits of
   omega dt have no short period. With omega dt = 0.1, 0.2, 0.3 or 0.7, whose digits repeat after four, roundings of
-  products repeat too, and the walk becomes a drift after some 1e5 steps, of 2e-19 a step.
+  products repeat too, and the walk becomes a drift after some 1e5 steps, of 2e-19 a step. Compensated summation
+  (`method.compensated = true`, for velocity Verlet) makes what rounding does smaller by a factor of omega dt, and takes
+  the drift away where steps are small: see [schemes.md](schemes.md) for its price.
 * Events at one time that share no particle come in any order with the same result, bit for bit. Where they share one,
   the order of the particles decides, and the run says so.
 * Units do not matter: lengths, times and masses may be multiplied by powers of two from 1e-20 to 1e20, and no bit

@@ -72,7 +72,7 @@ Declared = Any
 
 
 def words(scene: Scene, method: Method | None = None) -> frozenset[str]:
-    """The words that `scene` uses, and those of the contact and threads of `method`; method None: the scene's alone.
+    """The words that `scene` uses, and those of `method` beside scheme and step; method None: the scene's alone.
 
     An entry is a word where its value differs from its default: `gravity.softening`. An entry whose value is one of
     several names is always a word, `entry=choice`: `box.boundaries=hard`. `entry[]`: one value per species; `masses[]`:
@@ -93,6 +93,8 @@ def words(scene: Scene, method: Method | None = None) -> frozenset[str]:
         found.add("output.fields")
     if method is not None and method.threads is not None:
         found.add("method.threads")
+    if method is not None and method.compensated:
+        found.add("method.compensated")
     if method is not None and method.contact is not None:
         found |= {"method.contact", *_walk(method.contact, "method.contact.")}
     return frozenset(found)

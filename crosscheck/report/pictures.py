@@ -386,12 +386,12 @@ def _arrows(arrows: list[list[list[float | None]]], bounds: tuple[float, ...], l
 
 
 def _lines(lines: list[dict[str, Any]], layout: Layout, prefix: str) -> str:
-    """Curves over a map, broken where a point is not finite, light about dark: seen on every colour of it."""
-    path = ""
+    """Curves over a map, broken where a point is not on it, light about dark: seen on every colour of it."""
+    path, (left, right, bottom, top) = "", layout.view
     for line in lines:
         pen = "M"
         for x, y in zip(map(number, line["x"]), map(number, line["y"]), strict=True):
-            if not (math.isfinite(x) and math.isfinite(y)):
+            if not (left <= x <= right and bottom <= y <= top):
                 pen = "M"
                 continue
             path += "{}{} {}".format(pen, *layout.at(x, y))

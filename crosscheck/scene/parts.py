@@ -638,6 +638,8 @@ class Method(Part):
     threads: Annotated[int, Field(ge=1, le=1024)] | None = None
     """[1] Number of threads that share a run, for schemes that are declared to take it (`method.threads`); no bit of a
     result may depend on it. Absent: one."""
+    compensated: bool = False
+    """true: positions and velocities keep what their sums over the steps lose by rounding (compensated summation)."""
 
     @model_validator(mode="after")
     def _one_step(self) -> Self:

@@ -24,7 +24,7 @@ _KEEP_ENERGY = """
     box.wall.sigma box.faces box.faces.open box.cylinder box.cylinder.axis=x box.cylinder.axis=y box.cylinder.axis=z
     output.fields output.collisions method.contact method.contact.law=hooke method.contact.law=hertz
     method.contact.stiffness method.contact.duration method.contact.k_n method.contact.E method.contact.nu
-    method.contact.friction=dashpot method.threads
+    method.contact.friction=dashpot method.threads method.compensated
     """
 #: Words under which it can only be lost; walls with friction are at rest, but for a cylinder that turns. Springs along
 #: rough contacts ("history") are not among them: they give back what they took up, and that is not measured.

@@ -35,7 +35,7 @@ from refimpl.stepping.forces.generic import (
     team,
 )
 from refimpl.stepping.kernels.registers import from_array, to_array, tuple_from_arrays, tuple_to_arrays
-from refimpl.stepping.schemes import SCHEMES, Memory, StepResult
+from refimpl.stepping.schemes import COMPENSATED, SCHEMES, Memory, Scheme, StepResult
 
 #: Coordinates further from the origin than so many periods are brought back, looked for after every STRIDE steps.
 FAR_OUT = 2.0**12
@@ -211,12 +211,26 @@ class Integration:
     state: dict[str, Any]
 
 
-def compile_steps(scheme: str, force: Force, r: np.ndarray, v: np.ndarray, dt: float, *, thermo: bool = False) -> None:
+def scheme_of(name: str, compensated: bool = False) -> Scheme:
+    """The scheme of this name. compensated: with compensated summation. KeyError if there is none."""
+    return (COMPENSATED if compensated else SCHEMES)[name]
+
+
+def compile_steps(
+    scheme: str,
+    force: Force,
+    r: np.ndarray,
+    v: np.ndarray,
+    dt: float,
+    *,
+    thermo: bool = False,
+    compensated: bool = False,
+) -> None:
     """Compiles, or loads from the cache, the loop that `integrate` runs with these arguments; takes no step.
 
-    scheme, force, r, v, dt, thermo: as of `integrate`. Raises KeyError for an unknown scheme.
+    scheme, force, r, v, dt, thermo, compensated: as of `integrate`. Raises KeyError for an unknown scheme.
     """
-    record = SCHEMES[scheme].record
+    record = scheme_of(scheme, compensated).record
     memory = record.start(force, r, v, dt)
     frames = np.empty((0, r.size))
     _advance(record, force, (r, v, memory), dt, 0, 0, 1, (frames, frames), np.empty((1, 3)) if thermo else None)
@@ -236,6 +250,7 @@ def integrate(
     thermo: bool = False,
     pace: Callable[[int], int] | None = None,
     state: Mapping[str, Any] | None = None,
+    compensated: bool = False,
 ) -> Integration:
     """Takes `steps` steps of length `dt` with a scheme of `SCHEMES`.
 
@@ -244,13 +259,14 @@ def integrate(
     last: only so many of their last coordinates. thermo: record kinetic energy, potential energy and virial there.
     pace: called with the number of steps done; returns after how many more it is called again; None: never called.
     state: that of an earlier integration, to go on from in place of r, v and force; None: the scheme starts.
+    compensated: by the form of the scheme in `COMPENSATED`.
     Raises KeyError for an unknown scheme, ValueError for bad sizes.
     """
     if steps < 0 or (every is not None and every < 1):
         raise ValueError(f"steps must be >= 0 and every >= 1, got steps = {steps}, every = {every}")
     if r.shape != v.shape or r.ndim != 1:
         raise ValueError(f"r and v must be flat and of one shape, got {r.shape} and {v.shape}")
-    table = SCHEMES[scheme]
+    table = scheme_of(scheme, compensated)
     record = table.record
     r = np.ascontiguousarray(r, dtype=np.float64).copy()
     v = np.ascontiguousarray(v, dtype=np.float64).copy()

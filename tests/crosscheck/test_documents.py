@@ -41,9 +41,9 @@ def test_nothing_else_is_among_the_generated_pages() -> None:
 
 
 def test_pages_are_written_into_a_directory(tmp_path: Path) -> None:
-    for path in write(tmp_path / "new" / "pages"):
+    for name, path in zip(PAGES, write(tmp_path / "new" / "pages"), strict=True):
         text = path.read_text(encoding="utf-8")
-        assert text == PAGES[path.name]()
+        assert text == PAGES[name]()
         assert f"This file is generated: change the code and run `{COMMAND}`." in text[:200]
 
 

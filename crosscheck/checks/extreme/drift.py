@@ -7,6 +7,8 @@ would grow as the steps themselves. The exponent is fitted to the root mean squa
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from crosscheck.checks.extreme.matrix import Bound, Case, Mean, Measured, Trial, extreme_check, for_each
@@ -14,7 +16,7 @@ from crosscheck.checks.stepping.faults import scheme_fault
 from crosscheck.engines.capabilities import Needs
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
-from crosscheck.scene import Floats, Output, Scene, Spring, explicit
+from crosscheck.scene import Floats, Method, Output, Scene, Spring, explicit
 
 #: Blocks of the record of a spring, and how many of them the longer lag has.
 _BLOCKS, _LAG = 256, 32
@@ -24,7 +26,7 @@ _EXPONENT = "exponent of the growth of |dE| with the steps"
 _WALK = "root mean square of dE/E over that of independent roundings, at the end"
 
 
-def _energies(trial: Trial, dt: float, steps: int, springs: int) -> Floats:
+def _energies(trial: Trial, dt: float, steps: int, springs: int, compensated: bool = False) -> Floats:
     """Energy of each spring at the ends of the blocks, over that at the start, less 1: (blocks + 1, springs).
 
     Velocity Verlet keeps v^2 + omega^2 r^2 (1 - (omega dt)^2/4) exactly, at all phases; omega = 1.
@@ -40,7 +42,8 @@ def _energies(trial: Trial, dt: float, steps: int, springs: int) -> Floats:
         initial=explicit(size * np.cos(phase), size * inside**0.5 * np.sin(phase)),
         output=Output(interval=steps // _BLOCKS * dt, trajectory=True),
     )
-    run = trial.laboratory.run(scene, trial.how(dt), interpreted=False)
+    method = Method(scheme=trial.method, dt=dt, compensated=compensated)
+    run = trial.laboratory.run(scene, method, interpreted=False)
     r, v = run["positions"][:, :, 0], run["velocities"][:, :, 0]
     energy = v**2 + r**2 * inside
     return np.asarray(energy / energy[0] - 1)
@@ -82,6 +85,21 @@ _HALF = Mean(_EXPONENT, 0.5, "a sum of independent roundings is a random walk (B
 _FEW = Bound(_WALK, 3.0, "three roundings of each of r and v in a step, and a root mean square of few springs")
 _ALIKE = Bound(_EXPONENT, 1.0, "products with 0.1 are rounded in a short period: at worst all alike, which is linear")
 
+
+def _compensated(trial: Trial, dt: float, steps: int, springs: int) -> Mapping[str, float]:
+    """The root mean square at the end alone: at the start of the record the rounding of what is recorded shows."""
+    change = _energies(trial, dt, steps, springs, compensated=True)
+    return {_WALK: float(np.sqrt((change[-1] ** 2).mean()) / (EPSILON * (2 / 12 * steps) ** 0.5))}
+
+
+def _less(dt: float) -> Bound:
+    return Bound(
+        _WALK, 3.0 * dt, "what is rounded are the increments, omega dt times as large, and the place of a force"
+    )
+
+
+_KEPT = Needs("spring", words=frozenset({"method.compensated"}))
+
 CHECKS = (
     extreme_check(
         "drift",
@@ -110,6 +128,21 @@ CHECKS = (
                 for_each(("velocity_verlet",), _ALIKE),
                 "full",
             ),
+            Case(
+                "compensated",
+                "springs, omega dt = golden ratio/16, compensated summation, 2^18 steps, 32 starts",
+                lambda trial: _compensated(trial, _GOLDEN, 2**18, 32),
+                for_each(("velocity_verlet",), _less(_GOLDEN)),
+                needs=_KEPT,
+            ),
+            Case(
+                "compensated-tenth",
+                "springs, omega dt = 0.1, compensated summation, 2^24 steps, 16 starts",
+                lambda trial: _compensated(trial, _TENTH, 2**24, 16),
+                for_each(("velocity_verlet",), _less(_TENTH)),
+                "full",
+                _KEPT,
+            ),
         ),
         Needs(
             "spring",
@@ -125,6 +158,15 @@ CHECKS = (
                     "        return r, v_half + 0.5 * dt * a, (a,)",
                     "        return r, (v_half + 0.5 * dt * a) * (1.0 - 2.3e-16), (a,)",
                     "velocity Verlet loses a unit of the last digit of the velocity in each step",
+                ),
+            ),
+            (
+                "compensated/velocity_verlet",
+                scheme_fault(
+                    "velocities-without-their-rest",
+                    "        v_half, v_rest = _add(v, v_rest, 0.5 * dt * a)\n",
+                    "        v_half, v_rest = _add(v, 0.0 * v_rest, 0.5 * dt * a)\n",
+                    "what velocities lack by rounding is not kept",
                 ),
             ),
         ),

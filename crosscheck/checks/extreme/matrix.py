@@ -52,13 +52,16 @@ class Value(NamedTuple):
         return f"{self.quantity} = {self.expected:.10g} ± {self.tolerance:.2g}"
 
     def judged(self, measured: Measured) -> Judgement:
-        """The judgement of what was measured."""
+        """The judgement of what was measured; measured: in the row."""
         number = float(measured.numbers[self.quantity])
         return within(self.kind, self.quantity, number, self.expected, self.tolerance, self.why)
 
 
 class Bound(NamedTuple):
-    """measured <= limit, or >= with `at_least`; the others as in `Value`."""
+    """measured <= limit, or >= with `at_least`.
+
+    quantity: name and unit of the number. why: the reason for the limit.
+    """
 
     quantity: str
     limit: float
@@ -71,15 +74,15 @@ class Bound(NamedTuple):
         return f"{self.quantity} {'≥' if self.at_least else '≤'} {self.limit:.4g}"
 
     def judged(self, measured: Measured) -> Judgement:
-        """The judgement of what was measured."""
+        """The judgement of what was measured; measured: in the row."""
         number = float(measured.numbers[self.quantity])
         return bounded(self.quantity, number, self.limit, self.why, at_least=self.at_least)
 
 
 class Mean(NamedTuple):
-    """|measured - expected| <= t u + doubt, of a mean whose standard error u is measured too; the others as in `Value`.
+    """|measured - expected| <= t u + doubt, of a mean whose standard error u is measured too.
 
-    doubt: what is not random.
+    quantity: name and unit of the number. why: the reason for what is expected. doubt: what is not random.
     """
 
     quantity: str
@@ -93,7 +96,7 @@ class Mean(NamedTuple):
         return f"{self.quantity} = {self.expected:.10g} within its standard error"
 
     def judged(self, measured: Measured) -> Judgement:
-        """The judgement of what was measured."""
+        """The judgement of what was measured; measured: in the row."""
         number, (error, samples) = float(measured.numbers[self.quantity]), measured.errors[self.quantity]
         return statistical(
             self.quantity, number, error, self.expected, 0.0, self.why, samples=samples, doubt=self.doubt
@@ -104,7 +107,7 @@ class Answer(NamedTuple):
     """How the run must end: `RAN`, `DIVERGED`, or "refused: ...", "stopped: ...", "remarked: ..." with exact words.
 
     Without a colon the words of the engine do not count, as those of its own errors ("failed"); nor do they of an
-    engine that does not come with the suite.
+    engine that does not come with the suite. why: who promises these words.
     """
 
     words: str
@@ -116,7 +119,7 @@ class Answer(NamedTuple):
         return f'"{self.words}"' if ":" in self.words else self.words
 
     def judged(self, measured: Measured) -> Judgement:
-        """The judgement of what was measured."""
+        """The judgement of what was measured; measured: in the row."""
         found = measured.answer
         same = found == self.words
         if not measured.shipped or ":" not in self.words:
@@ -224,19 +227,19 @@ class Case:
 
 
 class Row(NamedTuple):
-    """A case with one of its methods: the value of a variant."""
+    """The value of a variant: `case`, with one of its methods. method: its name."""
 
     case: Case
     method: str
 
 
 def for_each(methods: Iterable[str], *expected: Expected) -> dict[str, tuple[Expected, ...]]:
-    """The same expectations for several methods; methods: their names."""
+    """The same expectations for several methods; methods: their names. expected: of each."""
     return dict.fromkeys(methods, expected)
 
 
 def judge(laboratory: Laboratory, row: Row) -> Findings:
-    """The findings of a row: every expectation, in the order of the table."""
+    """The findings of a row: every expectation, in the order of the table; laboratory: runs it."""
     found = row.case.measure(Trial(laboratory, row.method))
     measured = found if isinstance(found, Measured) else Measured(found)
     measured = measured._replace(shipped=engine_class(laboratory.engine).__module__.startswith("crosscheck."))

@@ -43,7 +43,7 @@ from crosscheck.scene import (
 
 
 class Units(NamedTuple):
-    """Factors by which all lengths, times and masses are multiplied: powers of two."""
+    """Powers of two by which all numbers are multiplied; length, time, mass: factors of their units."""
 
     length: float = 1.0
     time: float = 1.0

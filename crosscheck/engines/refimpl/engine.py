@@ -13,7 +13,7 @@ from crosscheck.engines.protocol import Claims, Run
 from crosscheck.engines.refimpl.continuation import Continuation
 from crosscheck.scene import Method, Scene
 from crosscheck.scene.observables import named
-from refimpl.stepping.schemes import SCHEMES
+from refimpl.stepping.schemes import COMPENSATED, SCHEMES
 
 NAIVE = "event_driven_naive"
 BOLTZMANN = "lattice_boltzmann"
@@ -40,6 +40,15 @@ _STATES = "positions velocities"
 _SMOOTH = f"{_STATES} forces kinetic_energy potential_energy virial"
 _HARD = f"{_STATES} angular_velocities kinetic_energy potential_energy rotational_energy"
 _TRACE = "event_times event_partners event_positions event_velocities event_angular_velocities"
+_SPRINGS = "dimension=1 dimension=2 dimension=3 masses[] spring.gamma"
+_GRAVITY = "dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening method.threads"
+_FLUIDS = """
+    dimension=2 dimension=3 masses[] box.boundaries=periodic box.boundaries=open box.boundaries=wall
+    box.wall box.wall.epsilon box.wall.sigma lennard_jones.epsilon lennard_jones.epsilon[]
+    lennard_jones.length lennard_jones.length[] lennard_jones.length_form=sigma
+    lennard_jones.length_form=r_m lennard_jones.truncation=truncated lennard_jones.truncation=shifted
+    lennard_jones.truncation=force_shifted
+"""
 #: Words of hard spheres that event-driven schemes and schemes with soft contacts understand.
 _SPHERES = """
     dimension=2 dimension=3 masses[] acceleration hard_spheres.diameter hard_spheres.diameter[] hard_spheres.restitution
@@ -77,29 +86,29 @@ class RefimplEngine:
     schemes |= {name: Claims(kind="event_driven") for name in SCHEDULERS}
     schemes |= {name: Claims(kind="lattice") for name in EVOLVERS}
     capabilities = (
+        capability("spring", "stepping", words=_SPRINGS, observables=_SMOOTH),
         capability(
             "spring",
             "stepping",
-            words="dimension=1 dimension=2 dimension=3 masses[] spring.gamma",
+            words=f"{_SPRINGS} method.compensated",
             observables=_SMOOTH,
+            schemes=tuple(COMPENSATED),
         ),
+        capability("gravity", "stepping", words=_GRAVITY, observables=_SMOOTH),
         capability(
             "gravity",
             "stepping",
-            words="dimension=2 dimension=3 masses[] masses=0 gravity.G gravity.softening method.threads",
+            words=f"{_GRAVITY} method.compensated",
             observables=_SMOOTH,
+            schemes=tuple(COMPENSATED),
         ),
+        capability("lennard_jones", "stepping", words=_FLUIDS, observables=_SMOOTH),
         capability(
             "lennard_jones",
             "stepping",
-            words="""
-                dimension=2 dimension=3 masses[] box.boundaries=periodic box.boundaries=open box.boundaries=wall
-                box.wall box.wall.epsilon box.wall.sigma lennard_jones.epsilon lennard_jones.epsilon[]
-                lennard_jones.length lennard_jones.length[] lennard_jones.length_form=sigma
-                lennard_jones.length_form=r_m lennard_jones.truncation=truncated lennard_jones.truncation=shifted
-                lennard_jones.truncation=force_shifted
-            """,
+            words=f"{_FLUIDS} method.compensated",
             observables=_SMOOTH,
+            schemes=tuple(COMPENSATED),
         ),
         capability(
             "hard_spheres",

@@ -12,7 +12,6 @@ from crosscheck.engines.protocol import Cost, Run, sample_times, timed
 from crosscheck.engines.refimpl.continuation import Continuation
 from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.scene import Floats, Method, Scene, State
-from refimpl.stepping.schemes import SCHEMES
 
 if TYPE_CHECKING:
     from refimpl.stepping.integrate import Integration
@@ -40,22 +39,22 @@ def integrated(
     """
     from numba import typeof
 
-    from refimpl.stepping.integrate import compile_steps, integrate
+    from refimpl.stepping.integrate import compile_steps, integrate, scheme_of
 
-    dt, cost = method.step, Cost()
+    dt, cost, kept = method.step, Cost(), method.compensated
     steps, every = scene.steps(dt), scene.every(dt)
     started = time.perf_counter()
     forces_type = str(typeof(force))
     stage("compiling kernels")
     with one_at_a_time(forces_type):
-        integrate(method.scheme, force, r, v, dt, 0, thermo=thermo)  # compiles the forces
+        integrate(method.scheme, force, r, v, dt, 0, thermo=thermo, compensated=kept)  # compiles the forces
     if steps:
-        with one_at_a_time(f"{type(SCHEMES[method.scheme].record).__name__} {thermo} {forces_type}"):
-            compile_steps(method.scheme, force, r, v, dt, thermo=thermo)
+        with one_at_a_time(f"{type(scheme_of(method.scheme, kept).record).__name__} {thermo} {forces_type}"):
+            compile_steps(method.scheme, force, r, v, dt, thermo=thermo, compensated=kept)
     cost.compile = time.perf_counter() - started
     state = None
     if ends is not None and ends.start is not None:
-        like = integrate(method.scheme, force, r, v, dt, 0).state
+        like = integrate(method.scheme, force, r, v, dt, 0, compensated=kept).state
         state = ends.restored(like, growing=("force",))
 
     with timed(cost):
@@ -72,6 +71,7 @@ def integrated(
             thermo=thermo,
             pace=Pace(steps).more,
             state=state,
+            compensated=kept,
         )
     if ends is not None and not done.diverged:
         ends.leave(done.state)

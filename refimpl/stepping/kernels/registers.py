@@ -161,37 +161,37 @@ def to_array(context, coordinates, array):  # type: ignore[no-untyped-def]
 
 
 def tuple_from_arrays(arrays: tuple[Any, ...], axes: tuple[int, ...], bodies: tuple[int, ...]) -> tuple[Any, ...]:
-    """`from_array` of each of up to two arrays."""
+    """`from_array` of each array."""
     return tuple(from_array(array, axes, bodies) for array in arrays)
 
 
 @overload(tuple_from_arrays, strict=False)
 def _tuple_from_arrays(arrays: Any, axes: Any, bodies: Any) -> Callable[..., Any]:
-    # numba knows no generator: a function for each length
-    choices: tuple[Callable[..., Any], ...] = (
-        lambda arrays, axes, bodies: (),
-        lambda arrays, axes, bodies: (from_array(arrays[0], axes, bodies),),
-        lambda arrays, axes, bodies: (from_array(arrays[0], axes, bodies), from_array(arrays[1], axes, bodies)),
+    # one element at a time: each has a type of its own for numba
+    if len(arrays) == 0:
+        return lambda arrays, axes, bodies: ()
+    return lambda arrays, axes, bodies: (
+        from_array(arrays[0], axes, bodies),
+        *tuple_from_arrays(arrays[1:], axes, bodies),
     )
-    return choices[len(arrays)]
 
 
 def tuple_to_arrays(values: tuple[Any, ...], arrays: tuple[Any, ...]) -> None:
-    """`to_array` of each of up to two coordinates."""
+    """`to_array` of each of the coordinates."""
     for value, array in zip(values, arrays, strict=True):
         to_array(value, array)
 
 
 @overload(tuple_to_arrays, strict=False)
 def _tuple_to_arrays(values: Any, arrays: Any) -> Callable[..., Any]:
-    def one(values, arrays):  # type: ignore[no-untyped-def]
-        to_array(values[0], arrays[0])
+    if len(arrays) == 0:
+        return lambda values, arrays: None
 
-    def two(values, arrays):  # type: ignore[no-untyped-def]
+    def first_and_others(values, arrays):  # type: ignore[no-untyped-def]
         to_array(values[0], arrays[0])
-        to_array(values[1], arrays[1])
+        tuple_to_arrays(values[1:], arrays[1:])
 
-    return (lambda values, arrays: None, one, two)[len(arrays)]
+    return first_and_others
 
 
 @compiled_only
