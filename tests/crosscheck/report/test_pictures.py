@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crosscheck import painter
-from crosscheck.figure import FieldMap, Figure, Frame, RoundFrame, Snapshot
+from crosscheck.figure import FieldMap, Figure, Frame, RoundFrame, Series, Snapshot
 from crosscheck.report import figures, pictures
 from crosscheck.verdict import Verdict, findings, round_off
 
@@ -177,6 +177,19 @@ def test_arrows_point_where_the_field_does():
     assert shafts[1][0] == 0
     assert shafts[1][1] > 0
     assert drawing.remarks == ["Arrows: flow; the longest is 5."]
+
+
+def test_lines_over_a_map_are_on_its_scale_and_broken_beside_it():
+    edge = Series("edge", [0.0, 1.0, 2.0, math.nan, 1.0, 3.0], [0.0, 0.5, 99.0, 0.5, 0.0, 1.0])
+    drawing = draw(FieldMap([[1.0]], Frame(0, 3, 0, 1), "T", lines=(edge,)))
+    path = re.search(r'id="p-lines" d="([^"]*)"', drawing.svg)[1]
+    points = [(pen, int(x), int(y)) for pen, x, y in re.findall(r"([ML])(-?\d+) (-?\d+)", path)]
+    assert "".join(pen for pen, *_ in points) == "MLML"
+    (_, x0, y0), (_, x1, y1), (_, x2, y2), (_, x3, y3) = points
+    assert (y0, y0 - y1) == (y2, pytest.approx((y2 - y3) / 2, abs=1))
+    assert x2 == x1
+    assert x3 - x0 == pytest.approx(3 * (x1 - x0), abs=2)
+    assert drawing.remarks == ["Line: edge."]
 
 
 @pytest.mark.parametrize("u", [[], [[]], [[0.0]], [[math.nan]]])

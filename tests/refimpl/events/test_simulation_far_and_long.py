@@ -268,3 +268,23 @@ def test_times_of_simultaneous_events_are_kept_across_a_renewal() -> None:
         assert cradle.simultaneous.first == 4.0
     assert cradle._rebases > 0
     assert all(fewer < more for fewer, more in pairwise(counts))
+
+
+# -- sums over many events ------------------------------------------------------------------------
+
+
+def test_what_is_added_to_a_large_sum_loses_no_digits(plain_module: Any) -> None:
+    """A heavy point gives the floor 1e10 times what a light one does at each of its 60 bounces after that."""
+    speed, bounces, high, heavy = 0.7, 60, 1e3, 7e6
+    model = plain_module("refimpl.events.model")
+    scene = model.hard_spheres(
+        lengths=(4.0, 4.0), periodic=(True, False), diameters=0.0, masses=[heavy, 1.0],
+        acceleration=(0.0, -1.0), faces=[None, None, model.Face(), None],
+    )  # fmt: skip
+    start = [[1.0, 1.0], [3.0, 0.5 * speed**2]], [[0.0, -high], [0.0, 0.0]]
+    simulation = plain_module("refimpl.events.simulation").Simulation(scene, *start, tallies=True)
+    simulation.run(until=2 * speed * (bounces + 0.25))
+    sums = simulation.tallies()
+    first = 2 * heavy * math.sqrt(high**2 + 2.0)
+    assert sums["wall_collisions"][2] == bounces + 1
+    assert abs(sums["wall_impulse"][2, 1] + first + bounces * 2 * speed) <= 2 * EPS * first
