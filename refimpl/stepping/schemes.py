@@ -125,34 +125,6 @@ class VelocityVerlet(NamedTuple):
 
 
 @register_jitable
-def _add(total: Array, rest: Array, more: Array) -> tuple[Array, Array]:
-    """total + rest + more as a rounded sum and what it lacks, exactly: D. E. Knuth, vol. 2 (1997), 4.2.2."""
-    more = more + rest
-    new = total + more
-    part = new - total
-    return new, (total - (new - part)) + (more - part)
-
-
-class CompensatedVelocityVerlet(NamedTuple):
-    """Velocity Verlet whose r and v keep what their sums lose by rounding: what is rounded are dt v and dt a alone.
-
-    The memory is the acceleration, and what r and v lack. Compensated summation: W. Kahan, Commun. ACM 8, 40 (1965); E.
-    Hairer, R. I. McLachlan and A. Razakarivony, BIT Numer. Math. 48, 231 (2008).
-    """
-
-    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
-        return accelerate(force, r, v), np.zeros_like(r), np.zeros_like(v)
-
-    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
-        a, r_rest, v_rest = memory
-        v_half, v_rest = _add(v, v_rest, 0.5 * dt * a)
-        r, r_rest = _add(r, r_rest + dt * v_rest, dt * v_half)
-        a = accelerate(force, r, v_half)
-        v, v_rest = _add(v_half, v_rest, 0.5 * dt * a)
-        return r, v, (a, r_rest, v_rest)
-
-
-@register_jitable
 def _accelerations_now_and_before(force: Force, r: Array, v: Array, dt: float) -> Memory:
     """a(0) and a(-dt), the latter from an Euler step backwards: the start of the Beeman schemes."""
     a = accelerate(force, r, v)
@@ -242,6 +214,34 @@ class Gear(NamedTuple):
         scaled = memory[0].copy()
         scaled[0] += by
         return (scaled,)
+
+
+@register_jitable
+def _add(total: Array, rest: Array, more: Array) -> tuple[Array, Array]:
+    """total + rest + more as a rounded sum and what it lacks, exactly: D. E. Knuth, vol. 2 (1997), 4.2.2."""
+    more = more + rest
+    new = total + more
+    part = new - total
+    return new, (total - (new - part)) + (more - part)
+
+
+class CompensatedVelocityVerlet(NamedTuple):
+    """Velocity Verlet whose r and v keep what their sums lose by rounding: what is rounded are dt v and dt a alone.
+
+    The memory is the acceleration, and what r and v lack. Compensated summation: W. Kahan, Commun. ACM 8, 40 (1965); E.
+    Hairer, R. I. McLachlan and A. Razakarivony, BIT Numer. Math. 48, 231 (2008).
+    """
+
+    def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
+        return accelerate(force, r, v), np.zeros_like(r), np.zeros_like(v)
+
+    def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
+        a, r_rest, v_rest = memory
+        v_half, v_rest = _add(v, v_rest, 0.5 * dt * a)
+        r, r_rest = _add(r, r_rest + dt * v_rest, dt * v_half)
+        a = accelerate(force, r, v_half)
+        v, v_rest = _add(v_half, v_rest, 0.5 * dt * a)
+        return r, v, (a, r_rest, v_rest)
 
 
 @dataclass(frozen=True)
