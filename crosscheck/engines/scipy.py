@@ -24,6 +24,8 @@ from crosscheck.scene import Floats, Method, Scene, State
 
 #: Below this relative tolerance the solvers take another one: 100 times the spacing of doubles.
 _FINEST = 100 * float(np.finfo(np.float64).eps)
+#: So many steps that move a run by less than this share of its duration would take years to end it.
+_STUCK = (10_000, 1e-6)
 #: Evaluations from one report of the progress to the next.
 _BETWEEN_REPORTS = 256
 
@@ -74,7 +76,7 @@ class ScipyEngine:
         times, cost = sample_times(scene, method), Cost()
         shape = (2, *state.positions.shape)
         end = scene.duration / units.time
-        now = 0.0
+        now = before = 0.0
 
         def derivative(_: float, y: Floats) -> Floats:
             cost.evaluations += 1
@@ -104,6 +106,14 @@ class ScipyEngine:
                     taken = reached
                 if not np.isfinite(y).all():
                     break
+                if cost.steps % _STUCK[0] == 0:
+                    share = (now - before) / end
+                    if share < _STUCK[1]:
+                        stopped = (
+                            f"SciPy's {method.scheme}: {_STUCK[0]} steps took it {share:.1g} of the duration further"
+                        )
+                        break
+                    before = now
         if solver is not None and solver.status == "finished" and times[-1] == scene.duration:
             samples[-1] = y  # a step ends there
         scale = np.repeat((units.length, units.speed), y.size // 2)

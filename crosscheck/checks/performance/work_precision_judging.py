@@ -253,6 +253,9 @@ def _of_errors(
     if len(rungs) == 1 or max(shares) <= 1:
         k = int(np.argmax(shares))
         return [round_off(f"largest error/{problem.unit}", errors[k], biased[k], WHY_BIASED)]
+    if not errors[-1] < LOST:
+        quantity = f"error/{problem.unit} at the smallest step"
+        return [bounded(quantity, errors[-1], LOST, "the finest run follows the motion: no other is asked for more")]
     counts = [rung.first.cost.evaluations for rung in rungs]
     controls = np.array([rung.control for rung in rungs])
     if claims.takes_tolerance:

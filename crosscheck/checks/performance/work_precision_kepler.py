@@ -54,8 +54,8 @@ def _problem(eccentricity: float) -> Problem:
     measured = gravity_fault(
         "gravity-not-inverse-square",
         "inverse_cube = G / (square * sqrt(square))",
-        "inverse_cube = G / (square * sqrt(square) + 1e-6)",
-        "a softening of 1e-6 in the cube of the distance: the orbit precesses",
+        "inverse_cube = G / (square * sqrt(square) + 1e-3)",
+        "a softening of 1e-3 in the cube of the distance: the orbit precesses",
     )
     return Problem(
         name="kepler" if e == 0.5 else f"kepler-e{e:g}",

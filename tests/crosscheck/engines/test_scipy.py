@@ -153,3 +153,20 @@ def test_tolerances_below_rounding_are_refused() -> None:
 def test_a_tolerance_is_asked_for(scheme: str, entries: dict[str, float], words: str) -> None:
     with pytest.raises(UsageError, match=words):
         _check_step(ENGINE.schemes[scheme], Method.model_validate({"scheme": scheme, **entries}))
+
+
+def test_a_solver_that_gets_nowhere_is_stopped() -> None:
+    """LSODA at a loose tolerance comes so near to a collision that its steps never grow again."""
+    scene = Scene(
+        name="kepler",
+        dimension=2,
+        duration=20 * np.pi,
+        masses=(3.0, 1.0),
+        gravity=Gravity(G=2.0),
+        initial=Kepler(kind="kepler", semi_major_axis=2.0, eccentricity=0.5),
+        output=Output(interval=2 * np.pi / 5, trajectory=True),
+    )
+    run = ENGINE.run(scene, Method(scheme="LSODA", tolerance=1e-2))
+    assert "10000 steps took it" in run.stopped
+    assert np.isfinite(run["final_positions"]).all()
+    assert np.isnan(run["positions"][-1]).all()

@@ -28,6 +28,8 @@ from crosscheck.scene import (
         (SPRING, "initial.positions", [[1.0], [math.nan]], "initial.positions.1.0: Input should be a finite number"),
         (SPRING, "output", {"interval": 1.0, "observables": ["heat"]}, "output.observables.0: Input should be"),
         (SPRING, "method", {"scheme": "verlet", "dt": 0.0}, "method.dt: Input should be greater than 0 (found 0.0)"),
+        (SPRING, "method", {"scheme": "RK45", "tolerance": 1.0}, "method.tolerance: Input should be less than 1"),
+        (SPRING, "method", {"scheme": "RK45", "dt": 0.1, "tolerance": 0.1}, "dt and tolerance both say how long"),
         (FLUID, "box.density", 1.0, "box: give exactly one of lengths, density and packing_fraction"),
         (FLUID, "box.boundaries", ["wall"] * 3, 'box: a boundary "wall" and the table [box.wall] go together'),
         (FLUID, "initial.structure", "hcp", "initial.structure: Input should be 'fcc', 'sc', 'square' or 'triangular'"),

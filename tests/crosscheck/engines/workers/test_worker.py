@@ -252,6 +252,14 @@ def test_malformed_arrays_of_hard_spheres(start: START, old: str, new: str, mess
             r"method.dt = 0.1: scheme 'edmd' goes from event to event: remove",
         ),
         (Method(scheme="steps"), r"method.dt is missing: scheme 'steps' takes time steps: add dt, as in dt = 0.005"),
+        (
+            Method(scheme="steps", tolerance=1e-6),
+            r"method.tolerance = 1e-06: scheme 'steps' takes steps of dt: remove tolerance",
+        ),
+        (
+            Method(scheme="edmd", tolerance=1e-6),
+            r"method.tolerance = 1e-06: scheme 'edmd' goes from event to event: remove tolerance",
+        ),
     ],
 )
 def test_a_step_for_those_that_take_one(start: START, method: Method, message: str) -> None:

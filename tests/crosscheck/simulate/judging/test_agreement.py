@@ -183,3 +183,12 @@ def test_soft_and_hard_spheres_are_not_compared(pool):
     found = agreement(pool, pair, ["refimpl"], ["refimpl:scheme=event_driven", soft])
     assert found.outcome == "skip"
     assert found.message.startswith("agreement: hard spheres beside soft ones, or other contacts: not compared")
+
+
+def test_runs_to_a_tolerance_agree_with_runs_by_steps(pool) -> None:
+    """Within what ten times the tolerance changes; a tolerance that is too loose explains itself, a wrong one not."""
+    methods = ["refimpl:scheme=velocity_verlet,dt=0.001", "scipy:scheme=DOP853,tolerance=1e-9"]
+    found = verdicts(pool, ORBIT, ("refimpl", "scipy"), methods)
+    (agreement,) = (one for name, one in found.items() if name.startswith("agreement"))
+    assert agreement.outcome == "pass"
+    assert all(one.outcome in ("pass", "skip") for one in found.values())
