@@ -40,17 +40,28 @@ class Observed(NamedTuple):
 
     value: d ln(error)/d ln(step). half: half the width of its `LEVEL` interval. used: indices of the runs in the
     window, smallest step first; empty if there is none, value and half are then NaN. reason: why there is none, or "".
+    finer, coarser: the slope in the two halves of the window.
     """
 
     value: float
     half: float
     used: tuple[int, ...]
     reason: str = ""
+    finer: float = np.nan
+    coarser: float = np.nan
 
     @property
     def interval(self) -> tuple[float, float]:
         """The ends of the interval."""
         return self.value - self.half, self.value + self.half
+
+    def leaves(self, order: float) -> bool:
+        """Whether the slope goes away from an order towards small steps, and is further than `WIDEST` from it there.
+
+        Terms of higher order go the other way: an error that does so has a part that does not vanish with the step.
+        order: the expected one.
+        """
+        return abs(self.finer - order) > max(WIDEST, abs(self.coarser - order))
 
 
 def observed_order(
@@ -89,22 +100,24 @@ def observed_order(
         return Observed(np.nan, np.nan, (), reason)
     candidates = [rising[first:end] for end in range(first + FEWEST, last + 1)]
     unknown = np.hypot(u, floor / 3**0.5)  # a floor may add anything up to itself
-    found = [(_slope(np.log(h[one]), np.log(e[one]), unknown[one] / e[one]), one) for one in candidates]
-    (value, half), window = min(found, key=lambda pair: pair[0][1])
-    return Observed(value, half, tuple(int(one) for one in window))
+    found = [_slope(np.log(h[one]), np.log(e[one]), unknown[one] / e[one], one.tolist()) for one in candidates]
+    return min(found, key=lambda one: one.half)
 
 
-def _slope(x: Floats, y: Floats, u: Floats) -> tuple[float, float]:
-    """Slope of a line through points, and half the width of its interval; u: standard errors of y. (n,) each."""
+def _slope(x: Floats, y: Floats, u: Floats, window: list[int]) -> Observed:
+    """The order from the points of a window, smallest step first; u: standard errors of y. (n,) each."""
     value, weights = _line(x, y)
     left = (y - y.mean()) - value * (x - x.mean())
     scatter = float(np.sqrt((left**2).sum() / (x.size - 2) * (weights**2).sum()))
     known = float(np.sqrt((weights**2 * u**2).sum()))
     middle = x.size // 2
-    halves = [_line(x[part], y[part])[0] for part in (slice(None, middle + 1), slice(x.size - middle - 1, None))]
-    bend = _BEND * max(abs(one - value) for one in halves)
+    finer, coarser = (
+        _line(x[part], y[part])[0] for part in (slice(None, middle + 1), slice(x.size - middle - 1, None))
+    )
+    bend = _BEND * max(abs(finer - value), abs(coarser - value))
     normal = student_quantile(1 - LEVEL, 1e6)
-    return value, float(np.hypot(student_quantile(1 - LEVEL, x.size - 2) * scatter, normal * known) + bend)
+    half = float(np.hypot(student_quantile(1 - LEVEL, x.size - 2) * scatter, normal * known) + bend)
+    return Observed(value, half, tuple(window), finer=finer, coarser=coarser)
 
 
 def _line(x: Floats, y: Floats) -> tuple[float, Floats]:

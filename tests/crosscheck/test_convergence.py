@@ -105,6 +105,23 @@ def test_intervals_cover_orders_of_noisy_errors() -> None:
     assert hit / trials > 0.95 - 5 * (0.95 * 0.05 / trials) ** 0.5
 
 
+@given(order=orders, factor=factors, number=numbers, second=seconds, power=powers)
+def test_right_errors_do_not_leave_their_order(
+    order: float, factor: float, number: int, second: float, power: int
+) -> None:
+    steps = 0.3 * 0.5 ** np.arange(number)
+    assert not observed_order(steps, factor * steps**order * (1 + second * steps**power)).leaves(order)
+
+
+@given(order=st.floats(1.0, 6.0), number=st.integers(4, 10), share=st.floats(0.1, 0.9))
+def test_errors_that_saturate_leave_it(order: float, number: int, share: float) -> None:
+    """A part that does not vanish with the step, as large as the rest within the ladder, but for its last two runs."""
+    steps = 0.3 * 0.5 ** np.arange(number)
+    constant = float(steps[-1]) ** order * 2.0 ** (order * (1.5 + share))
+    found = observed_order(steps, steps**order + constant)
+    assert found.leaves(order) or found.interval[1] < order - 0.25
+
+
 def test_known_standard_errors_widen_the_interval() -> None:
     steps = 0.5 ** np.arange(6)
     sharp = observed_order(steps, steps**2)

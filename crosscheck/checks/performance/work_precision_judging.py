@@ -280,8 +280,17 @@ def judged_order(quantity: str, seen: Observed, expected: float) -> Judgement:
     """
     found = order(quantity, seen.value, expected, ORDER_TOLERANCE, _WHY_ORDER, uncertainty=seen.half, note=_note(seen))
     holds = seen.interval[0] - ORDER_TOLERANCE <= expected <= seen.interval[1] + ORDER_TOLERANCE
-    unknown = not seen.used or (seen.half > WIDEST and holds)
-    return replace(found, outcome="inconclusive") if unknown else found
+    if not seen.used or (seen.half > WIDEST and holds and not seen.leaves(expected)):
+        return replace(found, outcome="inconclusive")
+    if seen.leaves(expected):
+        note = f"{found.note}; it goes away from the claimed order towards small steps, to {seen.finer:.3f}"
+        return replace(
+            found,
+            outcome="fail",
+            deviation=max(found.deviation or 0.0, abs(seen.finer - expected) / ORDER_TOLERANCE),
+            note=note,
+        )
+    return found
 
 
 def _at_least(quantity: str, seen: Observed, least: float, why: str) -> Judgement:

@@ -13,7 +13,7 @@ import numpy as np
 from crosscheck.checks.base import Check, Laboratory, Variant
 from crosscheck.checks.performance.work_precision_averaging import CRITERION, FACTOR, MEMBERS, averaged
 from crosscheck.checks.performance.work_precision_judging import Problem, check
-from crosscheck.checks.stepping.fluids import AVERAGE, AVERAGES, FEW_PARTICLES, FORCE_TERM, OPEN, equilibrated
+from crosscheck.checks.stepping.fluids import AVERAGE, AVERAGES, FEW_PARTICLES, OPEN, equilibrated
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Claims, Run
 from crosscheck.faults import Fault
@@ -204,11 +204,11 @@ _AVERAGE = Check(
         (
             "velocity_verlet",
             Fault(
-                "attraction-5-percent",
+                "energy-1-percent",
                 "stepping/kernels/lennard_jones.py",
-                FORCE_TERM,
-                FORCE_TERM.replace("attraction)", "attraction * splat(1.05))"),
-                "the attraction is 5 % too strong",
+                "return 0.5 * all_energy, 0.5 * all_work",
+                "return 0.505 * all_energy, 0.5 * all_work",
+                "the potential energy is 1 % too large",
             ),
         ),
     ),
