@@ -72,7 +72,7 @@ CHECKS = (
         name="performance/work-precision-lattice-viscosity",
         title="Work and precision on the viscosity of a lattice gas",
         equation="u_x(y, t) = u_0 sin(k y) exp(-nu k^2 t)",
-        criterion=f"{CRITERION}, that of the fluctuations at rest, whose first step is exact; {MEMBERS} runs of a width",
+        criterion=f"{CRITERION}, that of fluctuations at rest, whose first step is exact; {MEMBERS} runs of a width",
         citation=f"{FHP}; Kadanoff, McNamara & Zanetti, Phys. Rev. A 40, 4527 (1989)",
         judge=_judge,
         variants=_schemes,
