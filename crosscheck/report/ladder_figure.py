@@ -42,11 +42,13 @@ class Axis(NamedTuple):
         return self.start + share * (self.end - self.start)
 
     @property
-    def decades(self) -> list[float]:
-        """Powers of ten within the axis, every one, or every second or third where there are many."""
-        first, last = math.ceil(math.log10(self.low) - 1e-9), math.floor(math.log10(self.high) + 1e-9)
+    def ticks(self) -> list[float]:
+        """Powers of ten within the axis, every second or third of many, with 2 and 5 times them where there are few."""
+        first, last = math.floor(math.log10(self.low)), math.ceil(math.log10(self.high))
         every = max(1, math.ceil((last - first) / 9))
-        return [10.0**k for k in range(first, last + 1) if k % every == 0]
+        factors = (1.0, 2.0, 5.0) if last - first <= 3 else (1.0,)
+        places = [factor * 10.0**k for k in range(first, last + 1) if k % every == 0 for factor in factors]
+        return [place for place in places if self.low <= place <= self.high]
 
 
 class Style(NamedTuple):
@@ -156,11 +158,11 @@ def _axis(values: Iterable[float], start: float, end: float) -> Axis:
 
 def _frame(x: Axis, y: Axis, x_label: str, y_label: str) -> str:
     lines, texts = [], []
-    for value in x.decades:
+    for value in x.ticks:
         at = x.place(value)
         lines.append(f"M{at:.1f} {_TOP}V{HEIGHT - _BOTTOM}")
         texts.append(f'<text x="{at:.1f}" y="{HEIGHT - _BOTTOM + 18}" text-anchor="middle">{tick_text(value)}</text>')
-    for value in y.decades:
+    for value in y.ticks:
         at = y.place(value)
         lines.append(f"M{_LEFT} {at:.1f}H{WIDTH - _RIGHT}")
         texts.append(f'<text x="{_LEFT - 8}" y="{at + 4:.1f}" text-anchor="end">{tick_text(value)}</text>')

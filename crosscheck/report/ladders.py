@@ -89,8 +89,8 @@ class Reached:
     """How a method reaches an error.
 
     climb: the method. control, cpu, count: its step, CPU time and count there, interpolated. between: whether the error
-    is between two runs; else the coarsest run that can be compared is already as good. spread: relative, of the CPU
-    time of the nearest run.
+    is between two runs; else the coarsest run that can be compared is already as good. spread: relative uncertainty of
+    the CPU time, from half the range of the repeats of the nearest run, and from that of its error.
     """
 
     climb: Climb
@@ -109,6 +109,12 @@ class Reached:
     def time(self) -> str:
         """The CPU time, in words that stay together in one line."""
         return f"{'' if self.between else '≤ '}{seconds(self.cpu)}".replace(" ", "\u00a0")
+
+    @property
+    def timed(self) -> str:
+        """The CPU time with its uncertainty, in words."""
+        percent = 100 * self.spread
+        return f"{self.time} ±\u00a0{percent:.0f}\u00a0%" if percent >= 0.5 else self.time
 
     @property
     def counted(self) -> str:
@@ -270,6 +276,7 @@ def reached(climb: Climb, target: float) -> Reached | None:
         if coarse.error > target > fine.error:
             share = math.log(coarse.error / target) / math.log(coarse.error / fine.error)
             nearer = fine if share > 0.5 else coarse
+            fall = math.log(coarse.error / fine.error) / abs(math.log(fine.cpu / coarse.cpu) or math.inf)
             found.append(
                 Reached(
                     climb,
@@ -277,7 +284,7 @@ def reached(climb: Climb, target: float) -> Reached | None:
                     _between(coarse.cpu, fine.cpu, share),
                     _between(coarse.count, fine.count, share),
                     True,
-                    _spread(nearer),
+                    _spread(nearer, fall),
                 )
             )
     return min(found, key=lambda one: one.cpu, default=None)
@@ -288,8 +295,10 @@ def _between(first: float, second: float, share: float) -> float:
     return first * (second / first) ** share
 
 
-def _spread(point: Point) -> float:
-    return (point.high - point.low) / point.cpu / 2
+def _spread(point: Point, fall: float = math.inf) -> float:
+    """Relative uncertainty of a cost; fall: the power of the cost by which the error falls."""
+    unknown = point.uncertainty / point.error / fall if fall > 0 else 0.0
+    return math.hypot((point.high - point.low) / point.cpu / 2, unknown)
 
 
 # -- from the record -----------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.report.ladder_figure import apart, draw, legend, marker_definitions, style_of
+from crosscheck.report.ladder_figure import Axis, apart, draw, legend, marker_definitions, style_of
 from crosscheck.report.ladders import Case, Climb, Point
 
 
@@ -46,6 +46,15 @@ def test_labels_keep_apart(places: list[float], gap: float) -> None:
     assert (np.diff(moved) >= room - 1e-6).all()
     assert min(moved) >= -1e-6
     assert max(moved) <= 600.0 + 1e-6
+
+
+@given(low=st.floats(1e-15, 1.0), decades=st.floats(0.2, 14.0))
+def test_every_axis_has_a_few_ticks(low: float, decades: float) -> None:
+    axis = Axis(low, low * 10**decades, 0.0, 100.0)
+    assert 0 < len(axis.ticks) <= 11 or decades < 0.4
+    assert all(axis.low <= tick <= axis.high for tick in axis.ticks)
+    assert axis.place(axis.low) == 0.0
+    assert axis.place(axis.high) == pytest.approx(100.0)
 
 
 def test_places_that_are_apart_stay() -> None:

@@ -91,6 +91,16 @@ def test_rows_and_sentences() -> None:
     assert last == "The smallest error of all is 1e-13."
 
 
+def test_the_cost_is_as_uncertain_as_repeats_and_errors_are() -> None:
+    """An error known to 15 % that falls as the square root of the cost: the cost is known to 30 %."""
+    points = tuple(Point(n, n**-0.5, 0.15 * n**-0.5, n, 0.9 * n, 1.1 * n, n, "") for n in (1.0, 4.0, 16.0))
+    ladder = Climb("refimpl", "edmd", "event-driven", "n", points, "collisions", "c/edmd", "")
+    found = reached(ladder, 0.3)
+    assert found is not None
+    assert found.spread == pytest.approx((0.1**2 + 0.3**2) ** 0.5)
+    assert found.timed == f"{found.time} ±\u00a032\u00a0%"
+
+
 def test_commands_are_said_once_an_engine() -> None:
     found = case(climb([1.0], [1.0]), climb([1.0], [1.0], label="euler"), climb([1.0], [1.0], "scipy", "RK45"))
     assert found.commands == [
