@@ -128,10 +128,9 @@ CHECKS = (
                 Fault(
                     "a-step-a-call",
                     "lattice/kernels/planes.py",
-                    "                        _seal(planes, channels, there, size, columns)\n",
-                    "                        for _ in range(50):\n"
-                    "                            _seal(planes, channels, there, size, columns)\n",
-                    "the ends of each row are sealed fifty times",
+                    "    _seal(planes, copy // size, there, size, columns)\n",
+                    "    for _ in range(500):\n        _seal(planes, copy // size, there, size, columns)\n",
+                    "the ends of each row are sealed five hundred times",
                 ),
             ),
             (

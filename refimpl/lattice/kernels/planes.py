@@ -134,6 +134,53 @@ def seal(planes, current, shape):  # type: ignore[no-untyped-def]
         _seal(planes, copy // size, current * copy + row * stride + PAD, size, columns)
 
 
+@register_jitable(forceinline=True)
+def _move_row(  # type: ignore[no-untyped-def]
+    model, planes, source, target, row, walls, wall_draws, push, shape, seed, now
+):
+    """Step `now` of a row. source, target: where row 0 of either copy begins; the rest as of `advance`."""
+    rows, columns, words, stride, size, copy = shape
+    below = source + (row - 1 if row > 0 else rows - 1) * stride
+    here = source + row * stride
+    above = source + (row + 1 if row + 1 < rows else 0) * stride
+    there = target + row * stride
+    fixed = PAD + row * stride
+    key = row_key(seed, COLLISION, np.uint64(now), np.uint64(row))
+    if push is not None:
+        force_key = row_key(seed, FORCING, np.uint64(now), np.uint64(row))
+        count = 0
+    if wall_draws is not None:
+        wall_key = row_key(seed, WALLS, np.uint64(now), np.uint64(row))
+    for k in range(0, words, WIDTH):
+        if row % 2 == 0:
+            found = arrivals(model, 0, planes, below + k, here + k, above + k, size)
+        else:
+            found = arrivals(model, 1, planes, below + k, here + k, above + k, size)
+        if walls is not None:
+            flip_x, flip_y = load(walls[0], fixed + k), load(walls[1], fixed + k)
+            solid = flip_x | flip_y
+            if wall_draws is not None:
+                coin = _word(wall_key, 0, k)
+                draw_x, draw_y = load(wall_draws[0], fixed + k), load(wall_draws[1], fixed + k)
+                solid = solid | draw_x | draw_y
+                flip_x, flip_y = flip_x | (draw_x & coin), flip_y | (draw_y & coin)
+            bounced = reflected(model, found, flip_x, flip_y)
+        if push is not None:
+            where = _bernoulli(force_key, push.threshold, k) & load(push.inside, k)
+            if walls is not None:
+                where = where & ~solid
+            along = splat(_ALL if push.sign > 0 else _NONE)
+            found, went = pushed(model, found, where & along, where & ~along)
+            count += population(went)
+        found = _collide(model, found, key, k)
+        if walls is not None:
+            found = chosen(solid, bounced, found)
+        store(found, planes, there + k, size)
+    if push is not None:
+        push.impulses[row] += count
+    _seal(planes, copy // size, there, size, columns)
+
+
 @compiled(cache=True, nogil=True)
 def advance(  # type: ignore[no-untyped-def]
     model, planes, current, walls, wall_draws, push, shape, passes, fetches, tiles, seed, step, steps, block, band
@@ -149,8 +196,7 @@ def advance(  # type: ignore[no-untyped-def]
     of rows. seed: of the run. block: steps that are taken in a tile before the next tile; 1 for a slope of 0. band:
     neighbouring rows that a step computes before the next step follows.
     """
-    rows, columns, words, stride, size, copy = shape
-    channels = copy // size
+    rows, copy = shape[0], shape[5]
     for start in range(step, step + steps, block):
         levels = min(block, step + steps - start)
         for tile in range(len(tiles)):
@@ -164,45 +210,7 @@ def advance(  # type: ignore[no-untyped-def]
                     target = ((current + now + 1 - step) & 1) * copy + PAD
                     for line in range(max(first + inset, front - level), min(last - inset, front - level + band)):
                         row = line if line < rows else line - rows
-                        below = source + (row - 1 if row > 0 else rows - 1) * stride
-                        here = source + row * stride
-                        above = source + (row + 1 if row + 1 < rows else 0) * stride
-                        there = target + row * stride
-                        fixed = PAD + row * stride
-                        key = row_key(seed, COLLISION, np.uint64(now), np.uint64(row))
-                        if push is not None:
-                            force_key = row_key(seed, FORCING, np.uint64(now), np.uint64(row))
-                            count = 0
-                        if wall_draws is not None:
-                            wall_key = row_key(seed, WALLS, np.uint64(now), np.uint64(row))
-                        for k in range(0, words, WIDTH):
-                            if row % 2 == 0:
-                                found = arrivals(model, 0, planes, below + k, here + k, above + k, size)
-                            else:
-                                found = arrivals(model, 1, planes, below + k, here + k, above + k, size)
-                            if walls is not None:
-                                flip_x, flip_y = load(walls[0], fixed + k), load(walls[1], fixed + k)
-                                solid = flip_x | flip_y
-                                if wall_draws is not None:
-                                    coin = _word(wall_key, 0, k)
-                                    draw_x, draw_y = load(wall_draws[0], fixed + k), load(wall_draws[1], fixed + k)
-                                    solid = solid | draw_x | draw_y
-                                    flip_x, flip_y = flip_x | (draw_x & coin), flip_y | (draw_y & coin)
-                                bounced = reflected(model, found, flip_x, flip_y)
-                            if push is not None:
-                                where = _bernoulli(force_key, push.threshold, k) & load(push.inside, k)
-                                if walls is not None:
-                                    where = where & ~solid
-                                along = splat(_ALL if push.sign > 0 else _NONE)
-                                found, went = pushed(model, found, where & along, where & ~along)
-                                count += population(went)
-                            found = _collide(model, found, key, k)
-                            if walls is not None:
-                                found = chosen(solid, bounced, found)
-                            store(found, planes, there + k, size)
-                        if push is not None:
-                            push.impulses[row] += count
-                        _seal(planes, channels, there, size, columns)
+                        _move_row(model, planes, source, target, row, walls, wall_draws, push, shape, seed, now)
                         computed += 1
             passes[first % rows] += computed
             fetches[first % rows] += last - first - 2 * min(slope, slope * levels)
