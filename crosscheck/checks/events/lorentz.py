@@ -302,8 +302,8 @@ CHECKS = (
                 Fault(
                     "wrapped-positions",
                     "events/simulation.py",
-                    "x = self._rows[:, :d] + self._particles.images[:, :d] * lengths",
-                    "x = self._rows[:, :d] + 0 * self._particles.images[:, :d] * lengths",
+                    "x = wrapped + images * lengths + v * span",
+                    "x = wrapped + 0 * images * lengths + v * span",
                     "positions are given wrapped into the box",
                 ),
             ),

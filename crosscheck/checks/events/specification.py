@@ -183,8 +183,8 @@ CHECKS = (
                 Fault(
                     "half-contact-distance",
                     "events/kernels/loop.py",
-                    "size = contact_distance(diameter, radii, i, j)\n        c =",
-                    "size = 0.999 * contact_distance(diameter, radii, i, j)\n        c =",
+                    "return splat(radii[i]) + elements(radii, ids, q)",
+                    "return splat(0.999) * (splat(radii[i]) + elements(radii, ids, q))",
                     "the cells' prediction takes particles for smaller by a thousandth",
                 ),
             ),

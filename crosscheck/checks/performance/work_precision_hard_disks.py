@@ -139,8 +139,8 @@ def _judge_haff(laboratory: Laboratory, scheme: str) -> Judged:
 _VIRIAL = Fault(
     "virial-3-percent",
     "events/kernels/measure.py",
-    "sums[VIRIAL] += distance * (px * x + py * y + pz * z)",
-    "sums[VIRIAL] += 1.03 * distance * (px * x + py * y + pz * z)",
+    "_add(tallies, VIRIAL, distance * (px * x + py * y + pz * z))",
+    "_add(tallies, VIRIAL, 1.03 * distance * (px * x + py * y + pz * z))",
     "the collisional virial is 3 % too large",
 )
 CHECKS = (
