@@ -298,16 +298,6 @@ CHECKS = (
         needs=_NEEDS,
         faults=(
             (
-                "2d-overlapping-x0.1",
-                Fault(
-                    "wrapped-positions",
-                    "events/simulation.py",
-                    "x = wrapped + images * lengths + v * span",
-                    "x = wrapped + 0 * images * lengths + v * span",
-                    "positions are given wrapped into the box",
-                ),
-            ),
-            (
                 "3d-separate-x0.05",
                 Fault(
                     "reduced-mass",
