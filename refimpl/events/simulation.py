@@ -574,8 +574,8 @@ def shell_width(model: HardSpheres, n: int, scheduler: Scheduler, fields: tuple[
     """Width of the shells of lists of neighbours, length; 0 where cells alone are used.
 
     Lists where `neighbours` is the scheduler, and where they are expected to cost less: in a gas of the mean density,
-    after Enskog, a function of the model and the number of particles alone. But cells where lists are not possible,
-    see `lists_possible`, and for the documented lists of events.
+    after Enskog, a function of the model and the number n of particles alone. But cells where lists are not possible,
+    see `lists_possible`, and for the documented lists of events. scheduler, fields: as of `Simulation`.
     """
     mean, density = _mean_size(model, n), n / math.prod(model.lengths)
     width = SHELL * mean
@@ -590,7 +590,8 @@ def shell_width(model: HardSpheres, n: int, scheduler: Scheduler, fields: tuple[
 def lists_possible(model: HardSpheres, n: int, fields: tuple[int, ...] | None, width: float) -> bool:
     """Whether there can be lists of neighbours, in shells of a width: without walls, fields of force, fields measured.
 
-    Not in boxes of less than three cells, nor for very unequal particles, nor for points. n: number of particles.
+    Not in boxes of less than three cells, nor for very unequal particles, nor for points. model: its lengths. n: number
+    of particles. fields: cells along each axis for the fields, or None. width: length.
     """
     bare = model.walls is None and model.cylinder is None and model.acceleration is None and fields is None
     alike = _mean_size(model, n) > LEAST_MEAN * model.diameter

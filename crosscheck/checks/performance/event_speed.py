@@ -21,8 +21,8 @@ from crosscheck.scene.observables import OPERATIONS
 from crosscheck.statistics import mean_of_stretches
 from crosscheck.verdict import Judged, bounded, statistical, worst
 
-#: Turns of each program; the median ratio counts, so that a disturbed turn does not.
-TURNS = 7
+#: Turns of each program, and samples of its collision rate; the median ratio counts, so that a disturbed turn does not.
+TURNS = 11
 #: The share of the goal that is asked for.
 ASKED = 0.9
 #: Collisions of a particle until the lattice has melted, as those of pairs over N.
