@@ -57,7 +57,7 @@ SHELL = 0.3
 #: as long as the longest.
 LEAST_MEAN = 0.6
 #: Fewer particles than this are left to cells: their runs are short beside the compilation of another loop.
-MANY = 1000
+MANY = 1200
 #: What a new list costs, in partners that are looked at for an event.
 PRICE = 72.0
 #: Slack of contact ranges, in these: rounding of distances.
@@ -575,11 +575,11 @@ def shell_width(model: HardSpheres, n: int, scheduler: Scheduler, fields: tuple[
 
     Lists where `neighbours` is the scheduler, and where they are expected to cost less: in a gas of the mean density,
     after Enskog, a function of the model and the number n of particles alone. But cells where lists are not possible,
-    see `lists_possible`, and for the documented lists of events. scheduler, fields: as of `Simulation`.
+    see `lists_possible`, and for the documented queues. scheduler, fields: as of `Simulation`.
     """
     mean, density = _mean_size(model, n), n / math.prod(model.lengths)
     width = SHELL * mean
-    if scheduler == "lists" or not lists_possible(model, n, fields, width):
+    if scheduler in ("lists", "calendar") or not lists_possible(model, n, fields, width):
         return 0.0
     if scheduler == "neighbours":
         return width

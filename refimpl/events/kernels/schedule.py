@@ -247,10 +247,7 @@ def build_calendar(queue: Any, times: Any, now: float) -> None:
 
 @implements(rival, Calendar)
 def _calendar_rival(queue: Any, node: int, i: int) -> tuple[int, int, float]:
-    # the next one in the bucket, if there is one
-    j = np.int64(queue.after[node if node >= 0 else i])
-    j = j if j >= 0 else np.int64(i)
-    return j, j, queue.keys[j]
+    return node, np.int64(i), NEVER  # nobody: to find the next one is what costs the calendar its time
 
 
 @implements(prefetch_entry, Calendar)

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
+from refimpl.events.kernels.loop import FEW
 from refimpl.events.kernels.schedule import LIST_BUILDS, LIST_TESTS, RENEWALS
 from refimpl.events.kernels.shells import NUMBER_BITS
 from refimpl.events.model import Face, Floats, Well, hard_spheres
@@ -135,6 +136,24 @@ def test_flights_over_many_box_sides() -> None:
     assert_same(cells, lists)
 
 
+def test_lists_in_a_calendar() -> None:
+    x, side = fcc(4, 0.45)
+    model, v = hard_spheres(lengths=(side,) * 3, periodic=(True,) * 3), thermal(np.random.default_rng(3), len(x), 3)
+    for run in (runs := both(model, x, v, 0.2, scheduler="calendar")):
+        run.run(collisions=1000)
+    assert_same(*runs)
+
+
+def test_what_is_fetched_ahead_changes_nothing() -> None:
+    """Of so many particles the next events are guessed."""
+    x, side = fcc(9, 0.45)
+    assert len(x) > FEW
+    model, v = hard_spheres(lengths=(side,) * 3, periodic=(True,) * 3), thermal(np.random.default_rng(3), len(x), 3)
+    for run in (runs := both(model, x, v, 0.2)):
+        run.run(collisions=3000)
+    assert_same(*runs)
+
+
 def test_lists_go_on_later_with_the_same_bits() -> None:
     x, side = fcc(4, 0.45)
     model, v = hard_spheres(lengths=(side,) * 3, periodic=(True,) * 3), thermal(np.random.default_rng(3), len(x), 3)
@@ -190,7 +209,7 @@ def test_where_lists_are_not_possible() -> None:
         assert chosen(0.45, 30, scheduler) == 0.0
         assert chosen(0.01, scheduler=scheduler, diameters=np.where(np.arange(4000) == 0, 3.0, 1.0)) == 0.0
         assert chosen(0.45, scheduler=scheduler, diameters=np.zeros(4000)) == 0.0
-    assert chosen(0.45, scheduler="lists") == 0.0
+    assert chosen(0.45, scheduler="lists") == chosen(0.45, scheduler="calendar") == 0.0
     assert chosen(0.45, masses=np.where(np.arange(4000) % 2 == 0, np.inf, 1.0)) == 0.0
     x, side = fcc(4, 0.45)
     model = hard_spheres(lengths=(side,) * 3, periodic=(False,) * 3, acceleration=(0.0, 0.0, -1.0))
