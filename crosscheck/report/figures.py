@@ -523,7 +523,35 @@ def _compact(svg: str) -> str:
     svg = _with_dots(svg)
     svg = re.sub(r' d="[^"]*"', lambda m: re.sub(r"\s*([MLCQHVzZ])\s*|\n", r"\1", m[0][4:-1]).join((' d="', '"')), svg)
     svg = re.sub(r'style="[^"]*"', lambda m: m[0].replace(": ", ":").replace("; ", ";"), svg)
-    return re.sub(r">\n<", "><", svg)
+    for style, name in _CLASSES.items():
+        svg = svg.replace(f'style="{style}"', f'class="{name}"')
+    # grid lines end where the axes do
+    svg = re.sub(r' clip-path="[^"]*" class="gl"', ' class="gl"', svg)
+    return _without_bare_groups(re.sub(r">\n<", "><", svg))
+
+
+#: Styles that every figure has many times, and the classes of the style sheet that say the same.
+_CLASSES = {
+    "fill:none;stroke:var(--grid);stroke-width:0.5;stroke-linecap:square": "gl",
+    "fill:currentColor;stroke:currentColor;stroke-width:0.8": "tk",
+    "font-size:11px;text-anchor:middle;fill:currentColor": "tm",
+    "font-size:11px;text-anchor:end;fill:currentColor": "te",
+}
+
+
+def _without_bare_groups(svg: str) -> str:
+    """The drawing without groups that have no attribute, which mean nothing."""
+    kept: list[str] = []
+    bare: list[bool] = []
+    for number, part in enumerate(re.split(r"(<g(?: [^>]*[^/>])?>|</g>)", svg)):
+        if number % 2 == 0:  # between the tags
+            kept.append(part)
+        elif part == "</g>":
+            kept.extend([] if bare.pop() else [part])
+        else:
+            bare.append(part == "<g>")
+            kept.extend([] if bare[-1] else [part])
+    return "".join(kept)
 
 
 def _circle(match: re.Match[str]) -> str:

@@ -75,7 +75,8 @@ class Style(NamedTuple):
 
     def groups(self, climb: Climb) -> str:
         """The classes of the curve of a method, `climb`, by which the legend finds it."""
-        return f"s f{self.families.index(climb.family)} e{self.engines.index(climb.engine)}"
+        family = self.families.index(climb.family)
+        return f"s f{family} e{self.engines.index(climb.engine)} s{family % len(PALETTE)}"
 
     def marker(self, climb: Climb) -> str:
         """The id of the marker of a method, `climb`."""
@@ -196,13 +197,13 @@ def _curves(climbs: Sequence[Climb], style: Style, x: Axis, y: Axis, cost: Calla
     heights = apart([end[0] for end in ends], _LINE, _TOP + 4, HEIGHT - 8)
     parts = []
     for (up, across, climb), height in zip(ends, heights, strict=True):
-        colour, name, at = style.colour(climb.family), printable(climb.name), WIDTH - _RIGHT + 16
+        name, at = printable(climb.name), WIDTH - _RIGHT + 16
         short = name if len(name) <= _LONGEST else name[: _LONGEST - 1] + "…"
         parts.append(
-            f'<g class="{style.groups(climb)}" style="stroke:{colour}"><title>{escape(name)}</title>'
-            f'<path d="M{across + 6:.1f} {up:.1f}L{at - 10} {height:.1f}H{at - 3}" class="leader"/>'
+            f'<g class="{style.groups(climb)}">'
+            f'<path d="M{across + 6:.0f} {up:.0f}L{at - 10} {height:.0f}H{at - 3}" class="leader"/>'
             f"{_curve(climb, style, x, y, cost)}"
-            f'<text x="{at}" y="{height + 4:.1f}" style="fill:{colour}">{escape(short)}</text></g>'
+            f'<text x="{at}" y="{height + 4:.0f}">{escape(short)}</text></g>'
         )
     return f'<g fill="none" stroke-width="1.6" font-size="12">{"".join(parts)}</g>'
 
@@ -217,14 +218,15 @@ def _curve(climb: Climb, style: Style, x: Axis, y: Axis, cost: Callable[[Point],
             continue
         across = x.place(cost(point))
         if not point.good:
-            crosses += f"M{across - 4:.1f} {_TOP - 4}l8 8m0-8l-8 8"
+            crosses += f"M{across - 4:.0f} {_TOP - 4}l8 8m0-8l-8 8"
             pieces.append([])
             continue
         up = y.place(max(point.error, _LEAST))
         pieces[-1].append(f"{across:.1f},{up:.1f}")
         bars += _bars(point, x, y, across, up, timed=cost(point) == point.cpu)
-    ends = f"marker-start:url(#{marker});marker-mid:url(#{marker});marker-end:url(#{marker})"
-    lines = "".join(f'<polyline points="{" ".join(piece)}" style="{ends}"/>' for piece in pieces if piece)
+    lines = "".join(
+        f'<polyline points="{" ".join(piece)}" style="marker:url(#{marker})"/>' for piece in pieces if piece
+    )
     thin = f'<path d="{bars}" stroke-width="1"/>' if bars else ""
     return thin + (f'<path d="{crosses}"/>' if crosses else "") + lines
 
@@ -235,13 +237,13 @@ def _bars(point: Point, x: Axis, y: Axis, across: float, up: float, *, timed: bo
     if timed:
         left, right = x.place(point.low), x.place(point.high)
         if right - left > 2 * _SHORT:
-            path += f"M{left:.1f} {up:.1f}H{right:.1f}"
+            path += f"M{left:.0f} {up:.0f}H{right:.0f}"
     if point.uncertainty > 0:
         top = y.place(point.error + point.uncertainty)
         # an error that may be nothing but this has no lower end
         bottom = y.place(point.error - point.uncertainty) if point.error > point.uncertainty else up
         if bottom - top > 2 * _SHORT:
-            path += f"M{across:.1f} {top:.1f}V{bottom:.1f}"
+            path += f"M{across:.0f} {top:.0f}V{bottom:.0f}"
     return path
 
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from crosscheck.engines.registry import engine_order
 from crosscheck.record import Line, case_name
-from crosscheck.report.numbers import plain, seconds
+from crosscheck.report.numbers import count, plain, seconds
 
 #: Errors that methods are compared at; of cases that span few decades, those between them too.
 TARGETS = tuple(10.0**-k for k in range(2, 13, 2))
@@ -119,7 +119,7 @@ class Reached:
     @property
     def counted(self) -> str:
         """The count, in words; "" if nothing was counted."""
-        return f"{plain(self.count, 2)} {self.climb.count_label}" if math.isfinite(self.count) else ""
+        return f"{count(self.count)} {self.climb.count_label}" if math.isfinite(self.count) else ""
 
 
 class Cell(NamedTuple):
