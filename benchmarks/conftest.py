@@ -68,22 +68,27 @@ def _laboratory() -> Iterator[Laboratory]:
 
 
 @pytest.fixture(scope="session")
-def _outcomes() -> dict[str, Outcome]:
-    """What came of the races that were run, by their names."""
+def _outcomes() -> dict[str, Outcome | Exception]:
+    """What came of the races that were run, by their names: all sides of a race that failed fail."""
     return {}
 
 
 @pytest.fixture
 def read_out(
-    request: pytest.FixtureRequest, _laboratory: Laboratory, _outcomes: dict[str, Outcome]
+    request: pytest.FixtureRequest, _laboratory: Laboratory, _outcomes: dict[str, Outcome | Exception]
 ) -> Callable[[Race, str], None]:
     """Hands the turns of one side of a race to pytest-benchmark, with all that is known of them in `extra_info`."""
 
     def hand_over(race: Race, side: str) -> None:
         if race.name not in _outcomes:
             short = request.config.getoption("--short")
-            _outcomes[race.name] = run_race(_laboratory, race, _SHORT_TURNS if short else None)
+            try:
+                _outcomes[race.name] = run_race(_laboratory, race, _SHORT_TURNS if short else None)
+            except Exception as error:
+                _outcomes[race.name] = error
         outcome = _outcomes[race.name]
+        if isinstance(outcome, Exception):
+            raise outcome
         if side in outcome.absent:
             pytest.skip(outcome.absent[side])
         turns = outcome.turns[side]
@@ -112,6 +117,7 @@ def _known(race: Race, side: str, outcome: Outcome) -> dict[str, Any]:
         "ratio": {"of": race.sides[0].name, "median": float(np.median(over)), "turns": over.tolist()},
         "counters": {name: value for name, value in counted.items() if name not in _NOT_COUNTED},
         "note": outcome.notes.get(side, ""),
+        **({"bytes": outcome.held[side]} if side in outcome.held else {}),
         "compile_seconds": outcome.turns[side][0].cost.compile,
         "peak_bytes": turns[-1].cost.peak_bytes,
     }

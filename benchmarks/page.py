@@ -55,6 +55,12 @@ _CHAPTERS = {
         "Bit planes. The copy of memory reads and writes as many bits as a step, one a channel and site; more than a "
         "copy is reached where a cache serves several steps. Two threads are compared by elapsed time.",
     ),
+    "bench_features.py": (
+        "What features cost",
+        "A bare scene, and the same with one feature more: the ratio is the price. What a scene does not have is not "
+        "in the code that runs it (`performance/pay-for-use`), so nothing is paid for it. Bytes: of all arrays that "
+        "decide how a run goes on (state, lists, queues, histories), a particle.",
+    ),
 }
 #: What stands before the chapters.
 _HEAD = (

@@ -9,6 +9,13 @@ from pathlib import Path
 from crosscheck.errors import UsageError
 
 
+def sources() -> Path:
+    """The directory of the installed `refimpl`."""
+    import refimpl
+
+    return Path(refimpl.__path__[0])
+
+
 @dataclass(frozen=True)
 class Fault:
     """A substitution in a source file of `refimpl`, which a check must detect.
@@ -28,9 +35,7 @@ class Fault:
 
         UsageError unless `old` occurs exactly once in the file.
         """
-        import refimpl
-
-        shutil.copytree(Path(refimpl.__path__[0]), directory / "refimpl", ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(sources(), directory / "refimpl", ignore=shutil.ignore_patterns("__pycache__"))
         target = directory / "refimpl" / self.file
         text = target.read_text(encoding="utf-8") if target.is_file() else ""
         count = text.count(self.old)

@@ -314,13 +314,18 @@ _LAWS: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
 
 
 def model_comparison(
-    sizes: ArrayLike, values: ArrayLike, errors: ArrayLike, laws: Sequence[str] = ("constant", "log N", "sqrt N", "N")
+    sizes: ArrayLike,
+    values: ArrayLike,
+    errors: ArrayLike,
+    laws: Sequence[str] = ("constant", "log N", "sqrt N", "N"),
+    beside: ArrayLike | None = None,
 ) -> dict[str, Fit]:
     """Fits `values` +- `errors` by each law of growth: constant, or a + b f(N) with f = log N, sqrt N, N, N^2.
 
     Weighted least squares; BIC = n ln(chi^2/n) + k ln n with k coefficients, for errors that are known up to a common
     factor (G. Schwarz, Ann. Stat. 6, 461 (1978)). sizes: N, (n,). values, errors: (n,), in one unit. laws: names of the
-    laws to fit. ValueError for fewer than 4 sizes, or an error that is not positive.
+    laws to fit. beside: (n,), what every law has as a further term, with a coefficient of its own, the last one; None:
+    nothing. ValueError for fewer than 4 sizes, or an error that is not positive.
     """
     n, y, u = (np.asarray(column, dtype=np.float64) for column in (sizes, values, errors))
     if n.size < 4 or not (u > 0).all():
@@ -328,6 +333,7 @@ def model_comparison(
     fits = {}
     for law in laws:
         columns = [np.ones_like(n)] + ([] if law == "constant" else [_LAWS[law](n)])
+        columns += [] if beside is None else [np.asarray(beside, dtype=np.float64)]
         design = np.stack(columns, axis=1) / u[:, None]
         # columns of norm 1: the sums of N^2 and of 1 differ by many orders of magnitude
         scale = np.linalg.norm(design, axis=0)

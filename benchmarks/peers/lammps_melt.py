@@ -25,6 +25,7 @@ def _engine(style: str, skin: float) -> type[LammpsEngine]:
         """LAMMPS with this pair style and skin."""
 
         name = f"lammps-{engine_name(style, skin)}"
+        arguments = ("-package", "omp", "1")
 
         def run(self, scene: Scene, method: Method) -> Run:
             particles._SKIN = skin

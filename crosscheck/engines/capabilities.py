@@ -184,7 +184,8 @@ class Needs:
     `protocol.Restartable`; "remarks_on_order": it remarks on events at one time whose order decides what follows;
     "remarks_on_contacts": it remarks on soft contacts of less than ten steps, and on restitutions that have no use;
     "impulses_after_steps": its searches for collisions do what `crosscheck.references.collision_steps` says;
-    "springs_turned_at_walls": tangential springs at walls are turned first, see `crosscheck.references.soft_grains`.
+    "springs_turned_at_walls": tangential springs at walls are turned first, see `crosscheck.references.soft_grains`;
+    "cut_to_the_scene": it is `refimpl`, whose compiled loops have no trace of what a scene does not have.
     """
 
     interaction: str

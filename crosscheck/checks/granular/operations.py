@@ -71,6 +71,14 @@ def _judge(laboratory: Laboratory, case: _Case) -> Judged:
     return worst([*judged, *as_known(laboratory, cost, case.known)], f"{_STEPS} steps of {_GRAINS} grains")
 
 
+ALL_PAIRS = Fault(
+    "all-pairs",
+    CONTACTS,
+    "cells[k] = max(1, int(min(number, extent / reach)))",
+    "cells[k] = 1",
+    "lists are made from all pairs",
+)
+
 CHECKS = (
     Check(
         name="granular/operations",
@@ -89,13 +97,7 @@ CHECKS = (
         faults=(
             (
                 "velocity_verlet",
-                Fault(
-                    "all-pairs",
-                    CONTACTS,
-                    "cells[k] = max(1, int(min(number, extent / reach)))",
-                    "cells[k] = 1",
-                    "lists are made from all pairs",
-                ),
+                ALL_PAIRS,
             ),
         ),
     ),

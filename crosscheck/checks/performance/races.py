@@ -32,10 +32,14 @@ class Start(NamedTuple):
 
 
 class Ready(NamedTuple):
-    """A side that is ready; run: runs the scene once. note: what was chosen for it, or ""."""
+    """A side that is ready.
+
+    run: runs the scene once. note: what was chosen for it, or "". held: bytes a particle that a run holds; 0: unknown.
+    """
 
     run: Callable[[], Run]
     note: str = ""
+    held: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -71,12 +75,14 @@ class Race:
 class Outcome(NamedTuple):
     """What came of a race, by the names of the sides.
 
-    turns: of each side. absent: the reasons of those that could not take part. notes: what was chosen for a side.
+    turns: of each side. absent: the reasons of those that could not take part. notes: what was chosen for a side. held:
+    bytes a particle that a run of it holds, where that is known.
     """
 
     turns: dict[str, list[Turn]]
     absent: dict[str, str]
     notes: dict[str, str]
+    held: dict[str, float]
 
 
 def run_race(laboratory: Laboratory, race: Race, turns: int | None = None) -> Outcome:
@@ -90,18 +96,20 @@ def run_race(laboratory: Laboratory, race: Race, turns: int | None = None) -> Ou
     runners: dict[str, Callable[[], Turn]] = {}
     absent: dict[str, str] = {}
     notes: dict[str, str] = {}
+    held: dict[str, float] = {}
     for side in race.sides:
         try:
-            run, note = side.prepare(laboratory, scene)
-            runs[side.name] = run()  # compiles, warms, and is what is compared
+            ready = side.prepare(laboratory, scene)
+            runs[side.name] = ready.run()  # compiles, warms, and is what is compared
         except (EngineMissing, Unsupported) as reason:
             absent[side.name] = str(reason)
             continue
-        notes |= {side.name: note} if note else {}
-        runners[side.name] = _turn(run, work, side.elapsed)
+        notes |= {side.name: ready.note} if ready.note else {}
+        held |= {side.name: ready.held} if ready.held else {}
+        runners[side.name] = _turn(ready.run, work, side.elapsed)
     race.alike(scene, runs)
     runs.clear()
-    return Outcome(alternated(runners, race.turns if turns is None else turns, warm=0), absent, notes)
+    return Outcome(alternated(runners, race.turns if turns is None else turns, warm=0), absent, notes, held)
 
 
 def _turn(run: Callable[[], Run], work: Callable[[Run], float], elapsed: bool) -> Callable[[], Turn]:

@@ -18,7 +18,10 @@ _MOST_TYPES = 100
 
 
 class LammpsEngine:
-    """Velocity Verlet, `fix nve`; of order 1 with `fix viscous`, which takes the velocity at the half-step."""
+    """Velocity Verlet, `fix nve`; of order 1 with `fix viscous`, which takes the velocity at the half-step.
+
+    arguments: more of LAMMPS's command line.
+    """
 
     name = "lammps"
     schemes = {"velocity_verlet": Claims((2, 2), (1, 1), symplectic=True, reversible=True)}
@@ -73,6 +76,7 @@ class LammpsEngine:
     )
     #: Thousands of steps of some hundred particles take seconds; walls are granular ones throughout.
     promises = ("long_runs", "remarks_on_contacts", "springs_turned_at_walls")
+    arguments: tuple[str, ...] = ()
 
     def version(self) -> str:
         return f"{load().__version__} (MPI from {preload_mpi()})"
@@ -100,7 +104,7 @@ class LammpsEngine:
     def run(self, scene: Scene, method: Method) -> Run:
         lammps = load()
         # -nonbuf: output is not buffered, so its last lines are in the log even after a crash
-        lmp = lammps.lammps(cmdargs=["-log", "none", "-echo", "none", "-nonbuf"])
+        lmp = lammps.lammps(cmdargs=["-log", "none", "-echo", "none", "-nonbuf", *self.arguments])
         try:
             if scene.hard_spheres is not None:
                 return granular.integrate(lammps, lmp, scene, method)

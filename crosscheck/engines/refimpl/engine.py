@@ -148,10 +148,11 @@ class RefimplEngine:
         capability("lattice_gas", "lattice", words=_GASES, observables="populations h_function", schemes=(BOLTZMANN,)),
     )
     #: Speeds that it is held to, against the peers that the checks name; that thousands of steps of some hundred
-    #: particles take seconds; that its kernels run as plain Python too; and that it counts its operations.
+    #: particles take seconds; that its kernels run as plain Python too; that it counts its operations; and that what a
+    #: scene does not have is not in the code that runs it.
     promises = (
         "speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "remarks_on_order",
-        "remarks_on_contacts",
+        "remarks_on_contacts", "cut_to_the_scene",
     )  # fmt: skip
 
     def version(self) -> str:

@@ -29,7 +29,7 @@ MOST_REMARKS = 100
 #: What an engine may promise, see `docs/engines.md`.
 PROMISES = (
     "speed", "long_runs", "interpretable", "operations", "documented_draws", "restarts", "remarks_on_order",
-    "remarks_on_contacts", "impulses_after_steps", "springs_turned_at_walls",
+    "remarks_on_contacts", "impulses_after_steps", "springs_turned_at_walls", "cut_to_the_scene",
 )  # fmt: skip
 #: Largest cost that is believed: 30 years in seconds, and what a signed 64-bit integer holds.
 _LONGEST_TIME = 1e9

@@ -317,7 +317,7 @@ class Pool:
 
     def __init__(self, overlay: Path | None = None, time_limit: float = TIME_LIMIT, deadline: float = math.inf) -> None:
         self._workers: dict[tuple[str, bool], Worker] = {}
-        self._overlay = overlay
+        self.overlay = overlay
         self.time_limit = time_limit
         self.deadline = deadline
 
@@ -331,7 +331,7 @@ class Pool:
             raise EngineError(f"{engine}: the time is over")
         key = (engine, interpreted)
         if key not in self._workers:
-            overlay = self._overlay if engine == "refimpl" else None
+            overlay = self.overlay if engine == "refimpl" else None
             self._workers[key] = Worker(engine, overlay, self.time_limit, interpreted=interpreted)
         self._workers[key].time_limit = min(self.time_limit, left)
         return self._workers[key]
