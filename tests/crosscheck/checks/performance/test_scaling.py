@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from crosscheck.checks.performance.memory import cycle
-from crosscheck.checks.performance.scaling import _comparisons, _no_growth, _Queue
+from crosscheck.checks.performance.scaling import _comparisons, _evidence, _no_growth, _Queue
 from crosscheck.statistics import model_comparison
 
 SIZES = tuple(2**k for k in range(8, 18))
@@ -59,3 +59,10 @@ def test_numbers_may_change_by_how_cells_fit(factor: float, outcome: str) -> Non
 
 def test_what_is_never_done_does_not_grow() -> None:
     assert _no_growth("list moves", (256, 1024), np.zeros(2), np.zeros(2)).outcome == "pass"
+
+
+@pytest.mark.parametrize(("scan", "grows"), [(0.0, False), (1e-9, True)])
+def test_an_event_that_looks_at_all_particles_is_told_from_memory(scan: float, grows: bool) -> None:
+    times = 7e-7 + 20 * MEMORY + scan * N
+    times *= 1 + 0.03 * np.random.default_rng(3).normal(size=N.size)
+    assert (_evidence(N, times, MEMORY)[2] > 10) is grows
