@@ -30,6 +30,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from refimpl.stepping.forces.generic import Force, accelerate, derivatives
+from refimpl.stepping.kernels.sums import add_scaled
 
 Array = np.ndarray
 Memory = tuple[Array, ...]
@@ -111,23 +112,17 @@ class LeapFrog(NamedTuple):
 class VelocityVerlet(NamedTuple):
     """v(t+dt/2) = v + dt a/2; r + dt v(t+dt/2); v(t+dt) = v(t+dt/2) + dt a(t+dt)/2.
 
-    The memory is the acceleration. A velocity-dependent force gets the half-step velocity, as in LAMMPS. Written in
-    components: numba makes vector instructions of these loops, and none of expressions of arrays.
+    The memory is the acceleration. A velocity-dependent force gets the half-step velocity, as in LAMMPS.
     """
 
     def start(self, force: Force, r: Array, v: Array, dt: float) -> Memory:
         return (accelerate(force, r, v),)
 
     def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
-        a = memory[0]
-        r_new, v_new = np.empty_like(r), np.empty_like(v)
-        for q in range(r.size):
-            v_new[q] = v[q] + 0.5 * dt * a[q]
-            r_new[q] = r[q] + dt * v_new[q]
-        a = accelerate(force, r_new, v_new)
-        for q in range(r.size):
-            v_new[q] += 0.5 * dt * a[q]
-        return r_new, v_new, (a,)
+        v_half = add_scaled(v, 0.5 * dt, memory[0])
+        r = add_scaled(r, dt, v_half)
+        a = accelerate(force, r, v_half)
+        return r, add_scaled(v_half, 0.5 * dt, a), (a,)
 
 
 @register_jitable

@@ -69,8 +69,8 @@ CHECKS = (
                 "velocity_verlet",
                 scheme_fault(
                     "velocity-verlet-drift",
-                    "v_new[q] = v[q] + 0.5 * dt * a[q]",
-                    "v_new[q] = (1.0 - 1e-7) * v[q] + 0.5 * dt * a[q]",
+                    "v_half = add_scaled(v, 0.5 * dt, memory[0])",
+                    "v_half = add_scaled((1.0 - 1e-7) * v, 0.5 * dt, memory[0])",
                     "the velocity loses 1e-7 of itself every step",
                 ),
             ),

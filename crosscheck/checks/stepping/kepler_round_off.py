@@ -88,8 +88,8 @@ CHECKS = (
                 "e0.5/velocity_verlet",
                 scheme_fault(
                     "velocity-verlet-slightly",
-                    "v_new[q] = v[q] + 0.5 * dt * a[q]",
-                    "v_new[q] = v[q] + 0.50000000005 * dt * a[q]",
+                    "v_half = add_scaled(v, 0.5 * dt, memory[0])",
+                    "v_half = add_scaled(v, 0.50000000005 * dt, memory[0])",
                     "the first half kick is too strong by 1e-10",
                 ),
             ),

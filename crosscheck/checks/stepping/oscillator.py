@@ -183,8 +183,8 @@ COEFFICIENTS = (
     _coefficient(
         "velocity-verlet-coefficient",
         "velocity_verlet",
-        "v_new[q] = v[q] + 0.5 * dt * a[q]",
-        "v_new[q] = v[q] + 0.5005 * dt * a[q]",
+        "v_half = add_scaled(v, 0.5 * dt, memory[0])",
+        "v_half = add_scaled(v, 0.5005 * dt, memory[0])",
     ),
     _coefficient(
         "beeman-coefficient",
@@ -229,8 +229,8 @@ _FAULTS = {
         "velocity_verlet",
         scheme_fault(
             "velocity-verlet-misprint",
-            "r_new[q] = r[q] + dt * v_new[q]",
-            "r_new[q] = r[q] + dt * (v_new[q] + 0.5 * dt * a[q])",
+            "r = add_scaled(r, dt, v_half)",
+            "r = add_scaled(r, dt, v_half + 0.5 * dt * memory[0])",
             "dt^2 f/m for dt^2 f/2m in the position: a printed form of velocity Verlet; order 1",
         ),
     ),
