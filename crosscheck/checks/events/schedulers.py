@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, full, quick
+from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant, full
 from crosscheck.checks.events.gases import event_driven, spheres
 from crosscheck.checks.operations import counted, counting
 from crosscheck.engines.protocol import Run
@@ -124,17 +124,15 @@ CHECKS = (
         citation="Donev, Torquato & Stillinger, J. Comput. Phys. 202, 737 (2005); Smallenburg, EPJ E 45, 22 (2022)",
         judge=_judge_lists,
         variants=(
-            *quick(
-                **{
-                    "2d": _Crowd(2, 64, 0.7, 2.0),
-                    "3d": _Crowd(3, 108, 0.7, 0.7),
-                    "wells-2d": _Crowd(2, 81, 0.5, 1.5, well=True),
-                }
+            Variant("2d", _Crowd(2, 64, 0.7, 2.0), needs=event_driven("dimension=2 hard_spheres.restitution")),
+            Variant("3d", _Crowd(3, 108, 0.7, 0.7), needs=event_driven("dimension=3 hard_spheres.restitution")),
+            Variant(
+                "wells-2d", _Crowd(2, 81, 0.5, 1.5, well=True), needs=event_driven("dimension=2 hard_spheres.well")
             ),
         ),
         needs=counting(
             event_driven(
-                "box.boundaries=periodic hard_spheres.diameter[] hard_spheres.restitution hard_spheres.well masses[]",
+                "box.boundaries=periodic hard_spheres.diameter[] masses[]",
                 "collisions events operation_counts event_times event_partners event_positions event_velocities",
                 tuple(SCHEDULERS[name] for name in ("tree", "lists of neighbours")),
             )
