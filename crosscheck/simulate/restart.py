@@ -102,7 +102,7 @@ def check_version(restart: Restart, version: str) -> None:
 
 
 def _method(scene: Scene, method: Method) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(resolved(scene, method).model_dump_json(exclude_none=True))
+    found: dict[str, Any] = json.loads(resolved(scene, method).model_dump_json(exclude_defaults=True))
     return found
 
 

@@ -11,7 +11,9 @@ from crosscheck.errors import UsageError
 from crosscheck.faults import Fault
 
 SOURCE = Path(refimpl.__path__[0])
-FAULT = Fault("first-order", "stepping/schemes.py", "return r_new, v_new, (a,)", "return r, v, (a,)", "all")
+FAULT = Fault(
+    "first-order", "stepping/schemes.py", "return r, add_scaled(v_half, 0.5 * dt, a), (a,)", "return r, v, (a,)", "all"
+)
 
 
 def test_a_fault_changes_one_place_of_a_copy(tmp_path: Path) -> None:

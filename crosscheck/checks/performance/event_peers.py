@@ -33,7 +33,10 @@ class Spheres(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """A part of a run: events that change velocities, CPU time (s), and the time that was simulated."""
+    """A part of a run.
+
+    events: that change velocities. cpu: time of the processor, s. time: that was simulated.
+    """
 
     events: int
     cpu: float
@@ -62,10 +65,10 @@ _LINE = re.compile(r"Simtime: ([\d.]+), Collisions: (\d+)")
 def edmd_stretch(path: str, spheres: Spheres, settling: int, least: float) -> Stretch:
     """A stretch of a run of EDMD from these positions, whose velocities it draws itself at temperature 1.
 
-    path: of its binary. settling: collisions before the stretch. least: CPU time of the stretch, s, at least, unless
-    the run, of 100 units of time, ends before. It begins and ends with a line of the program's output, which a
-    pseudo-terminal hands on at once. EngineError if there are not two such lines; EngineMissing where the system
-    does not tell the CPU time of a process.
+    path: of its binary. spheres: where it starts. settling: collisions before the stretch. least: CPU time of the
+    stretch, s, at least, unless the run, of 100 units of time, ends before. It begins and ends with a line of the
+    program's output, which a pseudo-terminal hands on at once. EngineError if there are not two such lines;
+    EngineMissing where the system does not tell the CPU time of a process.
     """
     import pty
 
@@ -111,8 +114,8 @@ def _cpu(process: int) -> float:
 def dynamo_stretch(path: str, spheres: Spheres, events: int) -> Stretch:
     """The last `events` of a run of twice so many: what it takes longer than one of half the length, the same run.
 
-    path: of its binary. Its CPU time is that of runs without measurements; the simulated time is measured apart.
-    EngineError if it fails.
+    path: of its binary. spheres: where it starts. Its CPU time is that of runs without measurements; the simulated
+    time is measured apart. EngineError if it fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "start.xml").write_text(_configuration(spheres), encoding="utf-8")

@@ -52,7 +52,7 @@ def _error(run: Run, eccentricity: float) -> float:
 def _problem(eccentricity: float) -> Problem:
     e, periods = eccentricity, PERIODS[eccentricity]
     measured = gravity_fault(
-        "gravity-not-inverse-square",
+        "gravity-off-at-pericentre",
         "inverse_cube = G / (square * sqrt(square))",
         "inverse_cube = G / (square * sqrt(square) + 1e-3)",
         "a softening of 1e-3 in the cube of the distance: the orbit precesses",

@@ -85,7 +85,7 @@ def test_sizes_are_told_apart_by_a_quarter_of_an_octave(size: int) -> None:
 @given(st.integers(1, 10))
 def test_an_engine_with_fewer_schemes_does_a_share(schemes: int) -> None:
     load = Load("hard_spheres", "event_driven", 64, schemes, 1, 100)
-    assert loads.share(load, RefimplEngine) == min(1.0, 4 / schemes)
+    assert loads.share(load, RefimplEngine) == min(1.0, 5 / schemes)
     assert loads.classes([load, load]) == {("hard_spheres", "event_driven")}
 
 

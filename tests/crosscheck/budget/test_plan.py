@@ -178,10 +178,10 @@ def test_small_cases_go_where_the_larger_one_is_chosen(clock: list[float], known
 
 def test_a_prediction_adds_up_the_loads(monkeypatch: pytest.MonkeyPatch) -> None:
     speed = Speed((1, 100), (0.5, 0.5), (1e-3, 1e-1))
-    loads = (Load("spring", "stepping", 1, 1, 2, 1000), Load("hard_spheres", "event_driven", 100, 8, 0, 10))
+    loads = (Load("spring", "stepping", 1, 1, 2, 1000), Load("hard_spheres", "event_driven", 100, 10, 0, 10))
     monkeypatch.setattr(plan, "load_of", lambda check, variant: CaseLoad("refimpl", loads, 0.25))
     speeds = {("refimpl", "spring", "stepping"): speed, ("refimpl", "hard_spheres", "event_driven"): speed}
-    # refimpl has half of eight event-driven schemes
+    # refimpl has half of ten event-driven schemes
     assert plan.predicted(REAL, speeds) == pytest.approx(0.25 + 2 * 0.5 + 1.0 + 0.5 * 1.0)
     assert plan.predicted(REAL, {**speeds, ("refimpl", "spring", "stepping"): None}) is None
     monkeypatch.setattr(plan, "load_of", lambda check, variant: None)

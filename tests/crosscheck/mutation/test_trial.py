@@ -118,7 +118,7 @@ def test_a_constant_of_the_module_is_executed_by_who_uses_its_name() -> None:
 def test_a_constant_that_another_is_made_from_is_executed_by_who_uses_that() -> None:
     file = "refimpl/stepping/integrate.py"
     lines = (Path(population("refimpl").root).parent / file).read_text().splitlines()
-    number = next(number for number, line in enumerate(lines, 1) if "SCHEMES[scheme]" in line)
+    number = next(number for number, line in enumerate(lines, 1) if "else SCHEMES)[name]" in line)
     user, other = (
         replace(case(f"a/b/{at}", 1.0, lines=()), lines={file: frozenset({at})}) for at in (number, number + 1)
     )
