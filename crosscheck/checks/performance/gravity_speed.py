@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from crosscheck.checks.base import Check, Laboratory, full
 from crosscheck.checks.performance.speeds import CITATION, EQUATION, beside, by_two_threads, criterion
+from crosscheck.checks.performance.stepping_races import cloud
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
-from crosscheck.scene import Gravity, Method, Scene, explicit
+from crosscheck.scene import Method, Scene
 from crosscheck.verdict import Judged
 
 PEER = "rebound"
@@ -26,15 +25,8 @@ def _cloud(laboratory: Laboratory, number: int) -> Scene:
     Of many bodies a run has 40 steps at least, so that the evaluation with which one side starts is a fortieth; of few,
     a million, as in the runs for which their speed matters.
     """
-    positions = np.random.default_rng(laboratory.seed()).normal(size=(number, 3))
-    return Scene(
-        name=f"cloud-{number}",
-        dimension=3,
-        duration=(1_000_000 if number <= 16 else max(40, 40_000_000 // number**2)) * LEAP_FROG.step,
-        masses=1.0 / number,
-        gravity=Gravity(softening=0.01),
-        initial=explicit(positions, np.zeros_like(positions)),
-    )
+    steps = 1_000_000 if number <= 16 else max(40, 40_000_000 // number**2)
+    return cloud(number, laboratory.seed()).changed(duration=steps * LEAP_FROG.step)
 
 
 def _judge(laboratory: Laboratory, number: int) -> Judged:

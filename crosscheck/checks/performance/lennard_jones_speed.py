@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from crosscheck.checks.base import Check, Laboratory, full
 from crosscheck.checks.performance.speeds import CITATION, EQUATION, beside, criterion
-from crosscheck.checks.stepping.fluids import PERIODIC, STEP, fluid
+from crosscheck.checks.performance.stepping_races import melt
+from crosscheck.checks.stepping.fluids import PERIODIC, STEP
 from crosscheck.engines.capabilities import Needs
 from crosscheck.faults import Fault
-from crosscheck.scene import explicit
 from crosscheck.verdict import Judged
 
-PEER, GOAL = "lammps", 1.5
+PEER = "lammps"
+#: Times as fast as the peer with vectors of eight doubles, and with shorter ones; and what is asked for of it.
+GOAL_WIDE, GOAL, ASKED = 5.0, 3.0, 0.9
+
+
+def _has_eight_lanes() -> bool:
+    """Whether the processor has AVX-512; False where the system does not say."""
+    flags = Path("/proc/cpuinfo")
+    return flags.exists() and "avx512f" in flags.read_text(encoding="utf-8")
 
 
 def _judge(laboratory: Laboratory, number: int) -> Judged:
     """The melt of LAMMPS' own benchmark, lists rebuilt by displacement on both sides; number: of particles."""
-    melt = fluid(number, 0.8442, 1.44, laboratory.seed(), duration=1.0)
-    start = laboratory.run(melt, STEP)
-    steps = 800_000 // number
-    scene = melt.changed(
-        initial=explicit(start["final_positions"], start["final_velocities"]), duration=steps * STEP.step
-    )
-    return beside(laboratory, scene, STEP, PEER, GOAL)
+    scene = melt(laboratory, number).changed(duration=800_000 // number * STEP.step)
+    return beside(laboratory, scene, STEP, PEER, ASKED * (GOAL_WIDE if _has_eight_lanes() else GOAL))
 
 
 CHECKS = (
@@ -29,7 +34,7 @@ CHECKS = (
         name="performance/lennard-jones-speed",
         title="Lennard-Jones at rho = 0.8442, cutoff 2.5: speed beside LAMMPS lj/cut/opt",
         equation=EQUATION,
-        criterion=criterion("at least 1.5 times LAMMPS"),
+        criterion=criterion("at least 0.9 of the goal: 5 times LAMMPS with AVX-512, 3 times without"),
         citation=CITATION,
         judge=_judge,
         variants=full(N4000=4000, N32000=32000),
