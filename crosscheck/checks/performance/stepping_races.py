@@ -139,6 +139,7 @@ def lennard_jones_race(number: int, peers: tuple[Side, ...], steps: int | None =
 def melt(laboratory: Laboratory, number: int) -> Scene:
     """A Lennard-Jones lattice at rho = 0.8442 that has melted, about T = 0.72; laboratory: runs it. number: of them."""
     lattice = fluid(number, 0.8442, 1.44, laboratory.seed(), duration=1.0)
+    laboratory.demand(lattice, STEP)
     run = laboratory.run(lattice, STEP, engine=OURS)
     return lattice.changed(initial=explicit(run["final_positions"], run["final_velocities"]))
 
