@@ -10,16 +10,17 @@ Where kernels run as plain Python, such a value is a numpy array of eight double
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
 from typing import Any
 
 import llvmlite.ir as ir
 import numpy as np
 from numba import types
 from numba.core import cgutils
-from numba.extending import lower_builtin, models, register_model, type_callable
+from numba.extending import models, register_model
 
+from refimpl import vectors
 from refimpl.compilation import instruction
+from refimpl.vectors import register_operator
 
 #: Doubles of a value.
 WIDTH = 8
@@ -59,31 +60,14 @@ class _ChoiceModel(models.PrimitiveModel):  # type: ignore[misc]
         super().__init__(manager, numba_type, _MASK)
 
 
-def _register_operator(
-    operation: Callable[..., Any], operand: Any, result: Any, emit: Callable[[Any, Any, Any], Any]
-) -> None:
-    """Gives `operation(operand, operand) -> result` to numba, as the instruction that `emit(builder, a, b)` writes."""
-
-    @type_callable(operation)
-    def _type(context: Any) -> Any:
-        def typer(a: Any, b: Any) -> Any:
-            return result if a == operand and b == operand else None
-
-        return typer
-
-    @lower_builtin(operation, type(operand), type(operand))
-    def _lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return emit(builder, *arguments)
-
-
-_register_operator(operator.add, lanes, lanes, lambda build, a, b: build.fadd(a, b))
-_register_operator(operator.sub, lanes, lanes, lambda build, a, b: build.fsub(a, b))
-_register_operator(operator.mul, lanes, lanes, lambda build, a, b: build.fmul(a, b))
-_register_operator(operator.truediv, lanes, lanes, lambda build, a, b: build.fdiv(a, b))
-_register_operator(operator.lt, lanes, choice, lambda build, a, b: build.fcmp_ordered("<", a, b))
-_register_operator(operator.le, lanes, choice, lambda build, a, b: build.fcmp_ordered("<=", a, b))
-_register_operator(operator.eq, lanes, choice, lambda build, a, b: build.fcmp_ordered("==", a, b))
-_register_operator(operator.and_, choice, choice, lambda build, a, b: build.and_(a, b))
+register_operator(operator.add, lanes, lanes, lambda build, a, b: build.fadd(a, b))
+register_operator(operator.sub, lanes, lanes, lambda build, a, b: build.fsub(a, b))
+register_operator(operator.mul, lanes, lanes, lambda build, a, b: build.fmul(a, b))
+register_operator(operator.truediv, lanes, lanes, lambda build, a, b: build.fdiv(a, b))
+register_operator(operator.lt, lanes, choice, lambda build, a, b: build.fcmp_ordered("<", a, b))
+register_operator(operator.le, lanes, choice, lambda build, a, b: build.fcmp_ordered("<=", a, b))
+register_operator(operator.eq, lanes, choice, lambda build, a, b: build.fcmp_ordered("==", a, b))
+register_operator(operator.and_, choice, choice, lambda build, a, b: build.and_(a, b))
 
 
 @instruction(lambda x: x * _ONES)
@@ -91,12 +75,9 @@ def splat(context, x):  # type: ignore[no-untyped-def]
     """The scalar `x` in every lane."""
     if not isinstance(x, types.Float):
         return None
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        first = builder.insert_element(_UNDEFINED, arguments[0], _INDEX(0))
-        return builder.shuffle_vector(first, _UNDEFINED, ir.Constant(ir.VectorType(_INDEX, WIDTH), [0] * WIDTH))
-
-    return lanes(types.float64), generate
+    return lanes(types.float64), lambda context, builder, signature, arguments: vectors.splat(
+        builder, arguments[0], WIDTH
+    )
 
 
 @instruction(np.where)
@@ -112,13 +93,7 @@ def square_root(context, x):  # type: ignore[no-untyped-def]
     """Square root of every lane, correctly rounded."""
     if x != lanes:
         return None
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        function_type = ir.FunctionType(_LANES, [_LANES])
-        function = cgutils.get_or_insert_function(builder.module, function_type, f"llvm.sqrt.v{WIDTH}f64")
-        return builder.call(function, arguments)
-
-    return lanes(x), generate
+    return lanes(x), lambda context, builder, signature, arguments: vectors.square_root(builder, arguments[0])
 
 
 def _plain_bits(condition: Any) -> int:

@@ -14,15 +14,8 @@ from typing import Any
 import llvmlite.ir as ir
 from numba import types
 
-from refimpl.stepping.kernels.registers import (
-    compiled_only,
-    constant,
-    joined,
-    lane_everywhere,
-    splat,
-    square_root,
-    vectors,
-)
+from refimpl.stepping.kernels.registers import compiled_only, constant, joined, vectors
+from refimpl.vectors import lane_everywhere, splat, square_root
 
 
 @compiled_only

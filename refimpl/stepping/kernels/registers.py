@@ -18,17 +18,15 @@ from typing import Any
 
 import llvmlite.ir as ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model, type_callable
+
+from refimpl.vectors import DOUBLE, INDEX, splat
 
 #: Coordinates that fit: those of 16 bodies in space.
 MOST = 48
 
 #: Makes an instruction that only compiled code can execute. (By its type hints a caller would pass `context` too.)
 compiled_only: Any = intrinsic
-
-_DOUBLE = ir.DoubleType()
-_INDEX = ir.IntType(32)
 
 
 class Coordinates(types.Type):  # type: ignore[misc]
@@ -51,7 +49,7 @@ class _Model(models.PrimitiveModel):  # type: ignore[misc]
 
 
 def _vector(lanes: int) -> ir.VectorType:
-    return ir.VectorType(_DOUBLE, lanes)
+    return ir.VectorType(DOUBLE, lanes)
 
 
 def vectors(builder: Any, coordinates: Any) -> list[Any]:
@@ -70,24 +68,6 @@ def joined(builder: Any, axes: list[Any]) -> Any:
 def constant(number: float, lanes: int) -> Any:
     """The vector with `number` in every lane."""
     return ir.Constant(_vector(lanes), [number] * lanes)
-
-
-def splat(builder: Any, number: Any, lanes: int) -> Any:
-    """The double `number` in every lane of a vector."""
-    first = builder.insert_element(ir.Constant(_vector(lanes), ir.Undefined), number, _INDEX(0))
-    return lane_everywhere(builder, first, 0)
-
-
-def lane_everywhere(builder: Any, vector: Any, lane: int) -> Any:
-    """The vector with one lane of another in every lane."""
-    lanes = vector.type.count
-    return builder.shuffle_vector(vector, vector, ir.Constant(ir.VectorType(_INDEX, lanes), [lane] * lanes))
-
-
-def square_root(builder: Any, x: Any) -> Any:
-    """Square roots of a vector, correctly rounded."""
-    name = f"llvm.sqrt.v{x.type.count}f64"
-    return builder.call(cgutils.get_or_insert_function(builder.module, ir.FunctionType(x.type, [x.type]), name), [x])
 
 
 def _register(operation: Callable[..., Any], left: type, right: type, emit: Callable[[Any, Any, Any], Any]) -> None:
@@ -120,7 +100,7 @@ _register(operator.truediv, Coordinates, types.Float, lambda builder, a, b: buil
 
 def _element(context: Any, builder: Any, kind: Any, array: Any, place: int) -> Any:
     """Pointer to an element of a contiguous array."""
-    return builder.gep(context.make_array(kind)(context, builder, value=array).data, [_INDEX(place)])
+    return builder.gep(context.make_array(kind)(context, builder, value=array).data, [INDEX(place)])
 
 
 @compiled_only
@@ -138,7 +118,7 @@ def from_array(context, array, axes, bodies):  # type: ignore[no-untyped-def]
             for lane in range(kind.lanes):
                 place = kind.axes * kind.body(lane) + axis
                 pointer = _element(context, builder, signature.args[0], arguments[0], place)
-                along = builder.insert_element(along, builder.load(pointer), _INDEX(lane))
+                along = builder.insert_element(along, builder.load(pointer), INDEX(lane))
             found.append(along)
         return joined(builder, found)
 
@@ -154,7 +134,7 @@ def to_array(context, coordinates, array):  # type: ignore[no-untyped-def]
         for axis, along in enumerate(vectors(builder, arguments[0])):
             for body in range(kind.bodies):
                 pointer = _element(context, builder, signature.args[1], arguments[1], kind.axes * body + axis)
-                builder.store(builder.extract_element(along, _INDEX(body)), pointer)
+                builder.store(builder.extract_element(along, INDEX(body)), pointer)
         return context.get_dummy_value()
 
     return types.void(coordinates, array), generate

@@ -16,16 +16,16 @@ from the compiled ones by rounding.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
 from typing import Any
 
 import llvmlite.ir as ir
 import numpy as np
 from numba import types
-from numba.core import cgutils
-from numba.extending import lower_builtin, models, register_model, type_callable
+from numba.extending import models, register_model
 
+from refimpl import vectors
 from refimpl.compilation import instruction
+from refimpl.vectors import register_operator
 
 #: Lanes of a vector.
 WIDTH = 8
@@ -67,36 +67,13 @@ class _MaskModel(models.PrimitiveModel):  # type: ignore[misc]
         super().__init__(manager, numba_type, _MASK)
 
 
-def _register_operator(
-    operation: Callable[..., Any], operand: Any, result: Any, emit: Callable[[Any, Any, Any], Any]
-) -> None:
-    """Gives `operation(operand, operand) -> result` to numba, as the instruction that `emit(builder, a, b)` writes."""
-
-    @type_callable(operation)
-    def _type(context: Any) -> Any:
-        def typer(a: Any, b: Any) -> Any:
-            return result if a == operand and b == operand else None
-
-        return typer
-
-    @lower_builtin(operation, type(operand), type(operand))
-    def _lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return emit(builder, *arguments)
-
-
 _CONTRACT = ("contract",)
-_register_operator(operator.add, vector, vector, lambda build, a, b: build.fadd(a, b, flags=_CONTRACT))
-_register_operator(operator.sub, vector, vector, lambda build, a, b: build.fsub(a, b, flags=_CONTRACT))
-_register_operator(operator.mul, vector, vector, lambda build, a, b: build.fmul(a, b, flags=_CONTRACT))
-_register_operator(operator.truediv, vector, vector, lambda build, a, b: build.fdiv(a, b))
-_register_operator(operator.lt, vector, mask, lambda build, a, b: build.fcmp_ordered("<", a, b))
-_register_operator(operator.eq, vector, mask, lambda build, a, b: build.fcmp_ordered("==", a, b))
-
-
-def _splat(builder: Any, value: Any) -> Any:
-    first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, _INDEX(0))
-    lanes = ir.Constant(ir.VectorType(_INDEX, WIDTH), [0] * WIDTH)
-    return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), lanes)
+register_operator(operator.add, vector, vector, lambda build, a, b: build.fadd(a, b, flags=_CONTRACT))
+register_operator(operator.sub, vector, vector, lambda build, a, b: build.fsub(a, b, flags=_CONTRACT))
+register_operator(operator.mul, vector, vector, lambda build, a, b: build.fmul(a, b, flags=_CONTRACT))
+register_operator(operator.truediv, vector, vector, lambda build, a, b: build.fdiv(a, b))
+register_operator(operator.lt, vector, mask, lambda build, a, b: build.fcmp_ordered("<", a, b))
+register_operator(operator.eq, vector, mask, lambda build, a, b: build.fcmp_ordered("==", a, b))
 
 
 def _element(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -115,7 +92,9 @@ def splat(context, x):  # type: ignore[no-untyped-def]
     """The scalar `x` in every lane."""
     if not isinstance(x, types.Float):
         return None
-    return vector(types.float64), lambda context, builder, signature, arguments: _splat(builder, arguments[0])
+    return vector(types.float64), lambda context, builder, signature, arguments: vectors.splat(
+        builder, arguments[0], WIDTH
+    )
 
 
 @instruction(lambda: np.zeros(WIDTH))
@@ -151,7 +130,7 @@ def load_splat(context, array, i):  # type: ignore[no-untyped-def]
         return None
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return _splat(builder, builder.load(_element(context, builder, signature, arguments)))
+        return vectors.splat(builder, builder.load(_element(context, builder, signature, arguments)), WIDTH)
 
     return vector(array, i), generate
 
@@ -200,13 +179,7 @@ def square_root(context, x):  # type: ignore[no-untyped-def]
     """Square root of every lane, correctly rounded."""
     if x != vector:
         return None
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        function_type = ir.FunctionType(_VECTOR, [_VECTOR])
-        function = cgutils.get_or_insert_function(builder.module, function_type, f"llvm.sqrt.v{WIDTH}f64")
-        return builder.call(function, arguments)
-
-    return vector(x), generate
+    return vector(x), lambda context, builder, signature, arguments: vectors.square_root(builder, arguments[0])
 
 
 def _plain_total(x: Any) -> float:
