@@ -29,7 +29,7 @@ def splat(builder: Any, number: Any, lanes: int) -> Any:
 
 
 def square_root(builder: Any, x: Any) -> Any:
-    """Square root of every lane, correctly rounded."""
+    """Square root of every lane of the vector `x`, correctly rounded."""
     name = f"llvm.sqrt.v{x.type.count}f64"
     return builder.call(cgutils.get_or_insert_function(builder.module, ir.FunctionType(x.type, [x.type]), name), [x])
 
