@@ -179,11 +179,11 @@ CHECKS = (
             (
                 "rows-0",
                 Fault(
-                    "stretch-kept-after-the-contact",
+                    "stretch-of-another-contact",
                     CONTACTS,
-                    "        force.stretches[pair, k] = 0.0\n\n\n@internal\ndef _restore",
-                    "        force.stretches[pair, k] *= 1.0\n\n\n@internal\ndef _restore",
-                    "a contact that begins again remembers the stretch of the one before",
+                    "if old < old_contacts and old_places[old] == places[contact]:",
+                    "if old < old_contacts:",
+                    "a contact that begins has the stretch of the one that comes after it in the list",
                 ),
             ),
             (
@@ -201,8 +201,8 @@ CHECKS = (
                 Fault(
                     "friction-pushes-one-grain-only",
                     CONTACTS,
-                    "a[d * j + k] -= inverse_masses[j] * total",
-                    "a[d * j + k] -= inverse_masses[j] * (total - 2.0 * f[k])",
+                    "_add(d, a, j, -inverse_masses[j], total)",
+                    "_add(d, a, j, -inverse_masses[j], _less(_times(normal, n), 1.0, _less(total, normal, n)))",
                     "the friction on the second grain has the wrong sign",
                 ),
             ),

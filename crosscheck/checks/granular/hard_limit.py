@@ -13,7 +13,7 @@ import numpy as np
 
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, soft, variants_of
 from crosscheck.checks.granular.gases import RESOLUTION, energies, relaxed
-from crosscheck.checks.granular.soft_grains import CONTACTS, REFERENCE, soft_needs
+from crosscheck.checks.granular.soft_grains import LISTS, REFERENCE, soft_needs
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -172,7 +172,7 @@ def _judge_limit(laboratory: Laboratory, quantity: _Quantity) -> Judged:
 
 _LATE = Fault(
     "late-contacts",
-    CONTACTS,
+    LISTS,
     "reach2[found] = touch * touch",
     "reach2[found] = 0.96 * touch * touch",
     "grains push each other only once they overlap by two per cent, also when they are stiff",

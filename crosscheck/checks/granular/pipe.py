@@ -135,8 +135,8 @@ CHECKS = (
                 Fault(
                     "little-drag",
                     CONTACTS,
-                    "f[k] = -share * u[k]",
-                    "f[k] = -0.7 * share * u[k]",
+                    "return _times(-share, u), stretch",
+                    "return _times(-0.7 * share, u), stretch",
                     "the tangential dashpot is seven tenths of what it should be",
                 ),
             ),

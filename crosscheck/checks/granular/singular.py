@@ -67,8 +67,8 @@ CHECKS = (
                 Fault(
                     "no-push-in-one-place",
                     CONTACTS,
-                    "            n[k] = x / distance",
-                    "            n[k] = x / max(distance, 1e-300)",
+                    "n = _times(1.0 / distance, apart)",
+                    "n = _times(1.0 / max(distance, 1e-300), apart)",
                     "grains in one place push each other nowhere, and pass through each other",
                 ),
             ),

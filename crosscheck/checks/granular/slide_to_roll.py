@@ -267,8 +267,8 @@ CHECKS = (
                 Fault(
                     "short-arm-at-walls",
                     CONTACTS,
-                    "_add_torque(d, spins, a, i, inverse_inertias[i] * radii[i], n, f)",
-                    "_add_torque(d, spins, a, i, 0.99 * inverse_inertias[i] * radii[i], n, f)",
+                    "_add_torque(d, spins, a, i, inverse_inertias[i] * radii[i], _cross(n, f))",
+                    "_add_torque(d, spins, a, i, 0.99 * inverse_inertias[i] * radii[i], _cross(n, f))",
                     "the torque of friction at a wall has an arm of 99 % of the radius",
                 ),
             ),
@@ -277,8 +277,8 @@ CHECKS = (
                 Fault(
                     "spin-about-y-turned-round",
                     CONTACTS,
-                    "a[spins + 3 * i + 1] -= share * (n[2] * f[0] - n[0] * f[2])",
-                    "a[spins + 3 * i + 1] += share * (n[2] * f[0] - n[0] * f[2])",
+                    "a[i + 1] -= share * twist[1]",
+                    "a[i + 1] += share * twist[1]",
                     "the torque about the axis y has the wrong sign",
                 ),
             ),

@@ -9,6 +9,8 @@ from crosscheck.scene import Contact
 REFERENCE = "refimpl"
 #: Where `refimpl` has the laws of contacts: the file in which faults are planted.
 CONTACTS = "stepping/kernels/contacts.py"
+#: Where it finds them.
+LISTS = "stepping/kernels/contact_lists.py"
 
 
 def soft_needs(words: str = "", observables: str = "") -> Needs:

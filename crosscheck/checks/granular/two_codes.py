@@ -228,8 +228,8 @@ CHECKS = (
                 Fault(
                     "torque-on-the-other-arm",
                     CONTACTS,
-                    "_add_torque(d, d * number, a, j, inverse_inertias[j] * (radii[j] - shorter), n, f)",
-                    "_add_torque(d, d * number, a, j, inverse_inertias[j] * (radii[i] - shorter), n, f)",
+                    "_add_torque(d, spins, a, j, inverse_inertias[j] * (radii[j] - shorter), twist)",
+                    "_add_torque(d, spins, a, j, inverse_inertias[j] * (radii[i] - shorter), twist)",
                     "the torque on the second grain has the arm of the first",
                 ),
             ),

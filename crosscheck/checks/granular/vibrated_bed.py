@@ -150,8 +150,8 @@ CHECKS = (
                 Fault(
                     "light-grains",
                     CONTACTS,
-                    "a[d * i + k] = gravity[k]",
-                    "a[d * i + k] = 0.9 * gravity[k]",
+                    "a[i] = gravity[k]",
+                    "a[i] = 0.9 * gravity[k]",
                     "grains fall with nine tenths of g",
                 ),
             ),

@@ -48,21 +48,21 @@ from refimpl.stepping.forces.generic import (
     renew,
     status,
 )
-from refimpl.stepping.kernels.contacts import (
+from refimpl.stepping.kernels.contact_lists import (
     BUILDS,
     EVALUATIONS,
     LIST_TESTS,
     LISTED,
-    NEEDED,
-    NO_LIMIT,
     PAIR_TESTS,
+    PRUNES,
     STATUS,
-    ContactModel,
-    elastic_energy,
-    grain_accelerations,
+    ContactLists,
+    contact_lists,
+    enlarge_lists,
 )
+from refimpl.stepping.kernels.contacts import NO_LIMIT, ContactModel, elastic_energy, grain_accelerations
 
-#: Default skin of the pair list, over the largest diameter.
+#: Default skin of the wide list of pairs, over the largest diameter.
 SKIN = 0.3
 
 
@@ -115,17 +115,14 @@ class SoftCylinder(NamedTuple):
 class Grains(NamedTuple):
     """Soft grains; build them with `grains`. Absent features are None or empty.
 
-    sides: box side of each periodic axis, 0 for others. radii, masses, inverse_masses: (N,). inverse_inertias: (N,),
-    None of smooth grains. gravity: acceleration (d,). law, walls, cylinder: rows of numbers, see
-    refimpl.stepping.kernels.contacts. model: which equations. skin, built: of the pair list, and the positions (N*d,)
-    for which it was made. auxiliary: number of the coordinates
-    after the angles: the clock and, if they are tallied, the number of touching pairs, sum r_ij . F_ij, the forces on
-    each wall and on the cylinder (d each), and the torque of the cylinder on the grains. pairs: (P, 2); reach2: squared
-    contact distances; touching, stretches (P, 3) and wall_stretches (walls + 1, N, 3): of rough grains. clock: (1,), of
-    the last evaluation. bookkeeping: see STATUS in the kernels.
+    radii, masses, inverse_masses: (N,). inverse_inertias: (N,), None of smooth grains. gravity: acceleration (d,). law,
+    walls, cylinder: rows of numbers, see refimpl.stepping.kernels.contacts. model: which equations. auxiliary: number
+    of the coordinates after the angles: the clock and, if they are tallied, the number of touching pairs, sum r_ij .
+    F_ij, the forces on each wall and on the cylinder (d each), and the torque of the cylinder on the grains. lists: of
+    the pairs, with the box sides and the stretches. wall_stretches: (walls + 1, N, 3), of rough grains. clock: (1,), of
+    the last evaluation.
     """
 
-    sides: tuple[float, ...]
     radii: np.ndarray
     masses: np.ndarray
     inverse_masses: np.ndarray
@@ -136,15 +133,9 @@ class Grains(NamedTuple):
     walls: np.ndarray
     cylinder: np.ndarray
     auxiliary: int
-    skin: float
-    built: np.ndarray
-    pairs: np.ndarray
-    reach2: np.ndarray
-    touching: np.ndarray
-    stretches: np.ndarray
+    lists: ContactLists
     wall_stretches: np.ndarray
     clock: np.ndarray
-    bookkeeping: np.ndarray
 
     @property
     def tallied(self) -> bool:
@@ -213,8 +204,8 @@ def grains(
     contacts of pairs. inertia: q in I = q m R^2; None: smooth grains, which do not turn. gravity: acceleration (d,), or
     None. walls, cylinder: what is there of them. hertz, damping, history, granular: which of the module's equations.
     tallies: integrate number of contacts, virial, forces on walls and torque of the cylinder too, see `Grains`. skin:
-    of the pair list, a length, by default SKIN times the largest diameter; it changes the speed only. Units: any
-    consistent set.
+    of the wide list of pairs, a length, by default SKIN times the largest diameter; it changes the speed only. Units:
+    any consistent set.
 
     Raises ValueError for arrays of unequal sizes, for numbers out of range, and for periodic sides of no more than two
     diameters.
@@ -239,9 +230,7 @@ def grains(
         raise ValueError(f"periodic sides must exceed two diameters, {2 * diameter}, got {sides}")
     rough = inertia is not None
     rows = [[*wall[:3], *wall[4:], *_row(wall.law)] for wall in walls]
-    pairs, reach2, touching, stretches = _room(number, rough)
     return Grains(
-        sides=sides,
         radii=radii,
         masses=masses,
         inverse_masses=1 / masses,
@@ -252,25 +241,9 @@ def grains(
         walls=np.array(rows, dtype=np.float64).reshape(len(rows), 11),
         cylinder=np.zeros(0) if cylinder is None else _cylinder_row(cylinder),
         auxiliary=1 + (2 + (len(rows) + 1) * dimension + 1 if tallies else 0),
-        skin=SKIN * diameter if skin is None else skin,
-        built=np.zeros(number * dimension),
-        pairs=pairs,
-        reach2=reach2,
-        touching=touching,
-        stretches=stretches,
+        lists=contact_lists(sides, radii, SKIN * diameter if skin is None else skin, rough),
         wall_stretches=np.zeros((len(rows) + 1, number if rough else 0, 3)),
         clock=np.full(1, np.nan),
-        bookkeeping=np.zeros(8, dtype=np.int64),
-    )
-
-
-def _room(pairs: int, rough: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    remembered = pairs if rough else 0
-    return (
-        np.zeros((pairs, 2), dtype=np.int32),
-        np.zeros(pairs),
-        np.zeros(remembered, dtype=np.bool_),
-        np.zeros((remembered, 3)),
     )
 
 
@@ -281,7 +254,7 @@ def coordinates(
 
     positions, velocities: (N, d). spins: angular velocities, (N, 1) in two dimensions or (N, 3) in three; None: 0.
     """
-    turning = () if force.inverse_inertias is None else (3 if len(force.sides) == 3 else 1,)
+    turning = () if force.inverse_inertias is None else (3 if len(force.lists.sides) == 3 else 1,)
     angles = np.zeros((force.radii.size, *turning)) if turning else np.zeros(0)
     rest = np.zeros(force.auxiliary)
     clock = rest.copy()
@@ -311,7 +284,7 @@ def _turning(inverse_inertias, dimension, number, v):  # type: ignore[no-untyped
 @implements(kinetic_energy, Grains)
 def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
     """With the rotation."""
-    d, number = len(force.sides), len(force.radii)
+    d, number = len(force.lists.sides), len(force.radii)
     energy = _turning(force.inverse_inertias, d, number, v)
     for k in range(d * number):
         energy += 0.5 * force.masses[k // d] * v[k] ** 2
@@ -322,7 +295,7 @@ def _kinetic_energy(force: Grains, v: np.ndarray) -> float:
 def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
     """Of gravity and of the normal springs. The virial is NaN: `tallies` integrates it."""
     energy = elastic_energy(force, r)
-    d = len(force.sides)
+    d = len(force.lists.sides)
     for k in range(d * len(force.radii)):
         energy -= force.masses[k // d] * force.gravity[k % d] * r[k]
     return energy, np.nan
@@ -330,34 +303,31 @@ def _energy_and_virial(force: Grains, r: np.ndarray) -> tuple[float, float]:
 
 @implements(status, Grains)
 def _status(force: Grains) -> int:
-    return force.bookkeeping[STATUS]
+    return force.lists.bookkeeping[STATUS]
 
 
 @implements(enlarge, Grains)
 def _enlarge(force: Grains) -> Grains:
-    larger = _room(int(1.25 * force.bookkeeping[NEEDED]) + 1, force.inverse_inertias is not None)
-    for before, array in zip((force.pairs, force.reach2, force.touching, force.stretches), larger, strict=True):
-        array[: len(before)] = before
-    pairs, reach2, touching, stretches = larger
-    # the smaller force may be used again: nothing that says what is in the arrays is shared with it
-    own = {name: getattr(force, name).copy() for name in ("bookkeeping", "built", "clock", "wall_stretches")}
-    return force._replace(pairs=pairs, reach2=reach2, touching=touching, stretches=stretches, **own)
+    # the smaller force may be used again: nothing that an evaluation changes is shared with it
+    own = {name: getattr(force, name).copy() for name in ("clock", "wall_stretches")}
+    return force._replace(lists=enlarge_lists(force.lists), **own)
 
 
 @implements(operations, Grains)
 def _operations(force: Grains) -> dict[str, int]:
     return {
-        "evaluations": int(force.bookkeeping[EVALUATIONS]),
-        "pair_tests": int(force.bookkeeping[PAIR_TESTS]),
-        "list_builds": int(force.bookkeeping[BUILDS]),
-        "list_tests": int(force.bookkeeping[LIST_TESTS]),
+        "evaluations": int(force.lists.bookkeeping[EVALUATIONS]),
+        "pair_tests": int(force.lists.bookkeeping[PAIR_TESTS]),
+        "list_builds": int(force.lists.bookkeeping[BUILDS]),
+        "list_prunings": int(force.lists.bookkeeping[PRUNES]),
+        "list_tests": int(force.lists.bookkeeping[LIST_TESTS]),
     }
 
 
 @implements(periods, Grains)
 def _periods(force: Grains) -> np.ndarray | None:
     """None along gravity, whose energy is that of the place and not of the place in the box."""
-    sides = np.where(force.gravity == 0, force.sides, 0.0)
+    sides = np.where(force.gravity == 0, force.lists.sides, 0.0)
     if not sides.any():
         return None
     number = len(force.radii)
@@ -367,4 +337,4 @@ def _periods(force: Grains) -> np.ndarray | None:
 
 @implements(renew, Grains)
 def _renew(force: Grains) -> None:
-    force.bookkeeping[LISTED] = 0
+    force.lists.bookkeeping[LISTED] = 0

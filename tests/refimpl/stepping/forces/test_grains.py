@@ -22,7 +22,7 @@ from refimpl.stepping.forces.generic import (
 )
 from refimpl.stepping.forces.grains import ContactLaw, Grains, SoftCylinder, SoftPlane, coordinates, grains
 from refimpl.stepping.integrate import integrate
-from refimpl.stepping.kernels.contacts import BUILDS
+from refimpl.stepping.kernels.contact_lists import BUILDS, CONTACTS, EVALUATIONS
 from refimpl.stepping.schemes import SCHEMES
 
 EPSILON = np.finfo(float).eps
@@ -740,10 +740,10 @@ def test_stretches_survive_new_lists_and_larger_ones(dimension, granular):
     growth = 1 + max(np.abs(one - other).max() for one, other in zip(expected, disturbed, strict=True)) / nudge
     bound = ROUNDINGS * EPSILON * steps * growth * np.abs(np.concatenate(expected)).max()
     later, states = moved(force, r, v, dt, steps)
-    assert len(later.pairs) > len(force.pairs)
-    assert later.bookkeeping[BUILDS] >= 2
-    assert np.abs(later.stretches).max() > 1e-3
-    assert later.touching.sum() > 8
+    assert len(later.lists.pairs) > len(force.lists.pairs)
+    assert later.lists.bookkeeping[BUILDS] >= 2
+    assert np.abs(list(stretched(later).values())).max() > 1e-3
+    assert len(stretched(later)) > 8
     for skin in (wide, 0.0, 0.05, None):
         _, states = moved(grains(**arguments, skin=skin), r, v, dt, steps)
         assert np.abs(np.array(states[-1]) - np.array(expected)).max() <= bound
@@ -754,7 +754,7 @@ def test_the_compiled_loop_takes_the_same_path():
     force = grains(**arguments, skin=0.8)
     r, v = coordinates(force, x, velocities, spins)
     run = integrate("velocity_verlet", force, r, v, 8e-3, 30, every=10, thermo=True)
-    assert len(run.force.pairs) > len(force.pairs)
+    assert len(run.force.lists.pairs) > len(force.lists.pairs)
     later, states = moved(grains(**arguments, skin=0.8), r, v, 8e-3, 30)
     # the same operations in the same order
     np.testing.assert_array_equal([run.r, run.v], states[-1])
@@ -772,7 +772,7 @@ def test_a_list_without_room_says_so_and_keeps_what_touches():
     for time in (0.0, 0.01):
         r[-1] = time
         force, _ = evaluated(force, r, v)
-    assert len(force.pairs) < 66  # of all pairs
+    assert len(force.lists.pairs) < 66  # of all pairs
     touching = stretched(force)
     assert len(touching) > 3
     near = r.copy()
@@ -789,9 +789,11 @@ def test_a_list_without_room_says_so_and_keeps_what_touches():
 
 
 def stretched(force: Grains) -> dict[tuple[int, ...], tuple[float, ...]]:
-    """The stretches by their pairs."""
-    rows = zip(force.pairs.tolist(), force.stretches.tolist(), strict=True)
-    return {tuple(pair): tuple(stretch) for pair, stretch in rows if any(stretch)}
+    """The stretches of the contacts of the last evaluation, by their pairs."""
+    lists = force.lists
+    last, contacts = lists.bookkeeping[EVALUATIONS] % 2, lists.bookkeeping[CONTACTS]
+    rows = zip(lists.ends[last, :contacts].tolist(), lists.stretches[last, :contacts].tolist(), strict=True)
+    return {tuple(pair): tuple(stretch) for pair, stretch in rows}
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1e200])
