@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba.extending import overload
+from numba.extending import overload, register_jitable
 
 from refimpl.compilation import INTERPRETED, compiled
 from refimpl.stepping.forces.generic import (
@@ -57,6 +57,14 @@ def _step(self: Any, force: Any, r: Any, v: Any, memory: Any, dt: Any) -> Any:
     return self.instance_class.step
 
 
+@register_jitable
+def _copy_end(x: np.ndarray, end: np.ndarray) -> None:
+    """Writes the last numbers of x to `end`: an assignment of arrays takes two seconds more to compile."""
+    first = x.size - end.size
+    for k in range(end.size):
+        end[k] = x[first + k]
+
+
 @compiled(cache=True)
 def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # type: ignore[no-untyped-def]
     """Steps first + 1 ... last; a sample after every step whose number is a multiple of `every`.
@@ -77,8 +85,8 @@ def _advance(scheme, force, state, dt, first, last, every, frames, thermo):  # t
             sample = number // every
             # empty, not None, where they are not asked for: one compiled loop for both, and a test a sample
             if len(positions) > 0:
-                positions[sample] = r_new[r_new.size - positions.shape[1] :]
-                velocities[sample] = v_new[v_new.size - positions.shape[1] :]
+                _copy_end(r_new, positions[sample])
+                _copy_end(v_new, velocities[sample])
             if thermo is not None:
                 thermo[sample, 0] = kinetic_energy(force, v_new)
                 thermo[sample, 1], thermo[sample, 2] = energy_and_virial(force, r_new)

@@ -16,8 +16,8 @@ from crosscheck.scene import Box, Contact, HardSpheres, Lattice, Method, Output,
 from crosscheck.verdict import Judged, worst
 
 _GRAINS, _STEPS, _DT = 144, 50, 0.005
-#: The wide lists reach 0.3 diameters beyond the contact; the first one has too little room, and is made twice. The close
-#: ones reach a tenth of that, which the fastest disk crosses in two steps.
+#: The wide lists reach 0.3 diameters beyond the contact; the first one has too little room, and is made twice. The
+#: close ones reach a tenth of that, which the fastest disk crosses in two steps.
 _KNOWN = {"pair_tests": 720, "list_builds": 3, "list_prunings": 26, "list_tests": 9776}
 #: Without a box they spread, and cells follow them.
 _KNOWN_OPEN = {"pair_tests": 651, "list_builds": 3, "list_prunings": 26, "list_tests": 8979}

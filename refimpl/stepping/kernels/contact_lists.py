@@ -77,7 +77,7 @@ def _room(pairs: int, rough: bool) -> dict[str, np.ndarray]:
         "pairs": np.zeros((rows, 2), dtype=np.uint32),
         "close": np.zeros((rows, 2), dtype=np.uint32),
         "reach2": np.zeros(rows),
-        "places": np.zeros((2, rows), dtype=np.int64),
+        "places": np.zeros((2, rows), dtype=np.uint32),
         "ends": np.zeros((2, remembered, 2), dtype=np.uint32),
         "stretches": np.zeros((2, remembered, 3)),
     }
@@ -328,6 +328,13 @@ def _prune(lists, r):  # type: ignore[no-untyped-def]
     bookkeeping[PRUNES] += 1
 
 
+@inline_internal
+def _copy_contact(ends, stretches, contact, new_ends, new_stretches, new):  # type: ignore[no-untyped-def]
+    new_ends[new, 0], new_ends[new, 1] = ends[contact, 0], ends[contact, 1]
+    for k in range(3):
+        new_stretches[new, k] = stretches[contact, k]
+
+
 @internal
 def _place_contacts(lists):  # type: ignore[no-untyped-def]
     """Finds the contacts of the last evaluation in a new close list; those that are not in it are over."""
@@ -336,16 +343,16 @@ def _place_contacts(lists):  # type: ignore[no-untyped-def]
     # a chain from the first grain of each; numbers from 1, 0 ends it
     held, found = bookkeeping[CONTACTS], 0
     head, following = np.zeros(len(lists.radii), dtype=np.int64), np.zeros(held, dtype=np.int64)
-    kept_ends, kept = ends[:held].copy(), stretches[:held].copy()
+    kept_ends, kept = np.empty((held, 2), dtype=np.uint32), np.empty((held, 3))
     for contact in range(held):
+        _copy_contact(ends, stretches, contact, kept_ends, kept, contact)
         following[contact], head[ends[contact, 0]] = head[ends[contact, 0]], contact + 1
     for pair in range(bookkeeping[CLOSE_PAIRS]):
         contact = head[close[pair, 0]] - 1
         while contact >= 0:
             if kept_ends[contact, 1] == close[pair, 1]:
                 places[found] = pair
-                ends[found] = kept_ends[contact]
-                stretches[found] = kept[contact]
+                _copy_contact(kept_ends, kept, contact, ends, stretches, found)
                 found += 1
             contact = following[contact] - 1
     bookkeeping[CONTACTS] = found

@@ -389,7 +389,7 @@ def elastic_energy(force, r):  # type: ignore[no-untyped-def]
     energy = 0.0
     if not update(lists, r):
         return np.nan
-    places = np.empty(len(lists.close), dtype=np.int64)
+    places = np.empty(len(lists.close), dtype=np.uint32)
     for contact in range(find_contacts(lists, r, places)):
         i, j = lists.close[places[contact], 0], lists.close[places[contact], 1]
         delta = radii[i] + radii[j] - np.sqrt(apart2(lists.sides, inverses(lists.sides), r, i, j))
