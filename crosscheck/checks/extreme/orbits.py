@@ -122,6 +122,20 @@ def _fallen(order: int) -> Value:
     return Value(_DISTANCE, distance, tolerance, f"order {order} in dt over (r^3/mu)^(1/2) at the end", "order")
 
 
+_OFF_LINE, _OFF_CENTRE = "largest distance from their line", "largest momentum of both, over that of one"
+
+
+def _through(trial: Trial) -> Mapping[str, float]:
+    """On beyond the collision, which no step resolves: what the two have then is no answer, but for symmetry."""
+    duration = collision_time(_HIGH, 2.0) / _SHARE
+    run = trial.run(_falling(duration).changed(output=Output(interval=duration / 50, trajectory=True)), duration / 2000)
+    v = run["velocities"]
+    return {
+        _OFF_LINE: float(abs(run["positions"][:, :, 1]).max()),
+        _OFF_CENTRE: float(np.linalg.norm(v.sum(axis=1), axis=1).max() / np.linalg.norm(v, axis=2).max()),
+    }
+
+
 _SOFT, _SOFT_STEPS = 0.25, 4000
 _KEPT = "change of the energy, softened, after many passages, over |E|"
 
@@ -240,6 +254,16 @@ CHECKS = (
                 "two bodies fall from rest towards their collision, for 0.9 of the time",
                 _fall,
                 {**for_each(_SYMPLECTIC, _fallen(2)), _ADAPTIVE: (_fallen(15),)},
+            ),
+            Case(
+                "fall-through",
+                "the same, without softening, on beyond their collision by a tenth of the time",
+                _through,
+                for_each(
+                    (*_SYMPLECTIC, _ADAPTIVE),
+                    Value(_OFF_LINE, 0.0, EPSILON, "nothing pulls them off it: not one rounding"),
+                    Value(_OFF_CENTRE, 0.0, 2 * EPSILON, "equal and opposite velocities, each rounded alike"),
+                ),
             ),
             Case(
                 "fall-softened",
