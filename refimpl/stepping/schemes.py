@@ -30,7 +30,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from refimpl.stepping.forces.generic import Force, accelerate, derivatives
-from refimpl.stepping.kernels.sums import add_scaled
+from refimpl.stepping.kernels.sums import add_to, kick_drift
 
 Array = np.ndarray
 Memory = tuple[Array, ...]
@@ -119,10 +119,9 @@ class VelocityVerlet(NamedTuple):
         return (accelerate(force, r, v),)
 
     def step(self, force: Force, r: Array, v: Array, memory: Memory, dt: float) -> StepResult:
-        v_half = add_scaled(v, 0.5 * dt, memory[0])
-        r = add_scaled(r, dt, v_half)
+        v_half, r = kick_drift(r, v, memory[0], dt)
         a = accelerate(force, r, v_half)
-        return r, add_scaled(v_half, 0.5 * dt, a), (a,)
+        return r, add_to(v_half, 0.5 * dt, a), (a,)
 
 
 @register_jitable

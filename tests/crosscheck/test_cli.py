@@ -548,12 +548,12 @@ def only(monkeypatch: pytest.MonkeyPatch, *faults: tuple[str, Fault], **entries:
     monkeypatch.setattr(runner, "all_checks", lambda: checks)
 
 
-def fault(new: str, old: str = "v_half = add_scaled(v, 0.5 * dt, memory[0])") -> Fault:
+def fault(new: str, old: str = "v_half, r = kick_drift(r, v, memory[0], dt)") -> Fault:
     return Fault("planted", "stepping/schemes.py", old, new, "something is wrong")
 
 
 def test_a_fault_turns_its_check_red(crosscheck: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    only(monkeypatch, ("velocity_verlet", fault("v_half = add_scaled(v, 0.5001 * dt, memory[0])")))
+    only(monkeypatch, ("velocity_verlet", fault("v_half, r = kick_drift(r, v, 1.0002 * memory[0], dt)")))
     done = crosscheck("prove")
     assert done.status == 0, done.out
     assert f"red              {CASE}  planted: something is wrong" in done.out
@@ -563,7 +563,7 @@ def test_a_fault_turns_its_check_red(crosscheck: Any, monkeypatch: pytest.Monkey
 @pytest.mark.parametrize(
     ("new", "state", "status"),
     [
-        ("v_half = add_scaled(v, dt * 0.5, memory[0])", "NOT RED (pass)", 1),
+        ("v_half, r = kick_drift(r, v, 1.0 * memory[0], dt)", "NOT RED (pass)", 1),
         ("raise ArithmeticError", "NOT RED (error)", 4),
     ],
 )
@@ -578,7 +578,7 @@ def test_a_fault_that_is_not_seen_is_not_green(
 
 
 def test_a_check_that_is_red_without_its_fault_proves_nothing(crosscheck: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    planted = ("velocity_verlet", fault("v_half = add_scaled(v, 0.5001 * dt, memory[0])"))
+    planted = ("velocity_verlet", fault("v_half, r = kick_drift(r, v, 1.0002 * memory[0], dt)"))
     only(monkeypatch, planted, judge=lambda laboratory, value: bounded("always too much", 2.0, 1.0, "as it is"))
     done = crosscheck("prove")
     assert done.status == 1

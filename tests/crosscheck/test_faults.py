@@ -12,7 +12,7 @@ from crosscheck.faults import Fault
 
 SOURCE = Path(refimpl.__path__[0])
 FAULT = Fault(
-    "first-order", "stepping/schemes.py", "return r, add_scaled(v_half, 0.5 * dt, a), (a,)", "return r, v, (a,)", "all"
+    "first-order", "stepping/schemes.py", "return r, add_to(v_half, 0.5 * dt, a), (a,)", "return r, v, (a,)", "all"
 )
 
 

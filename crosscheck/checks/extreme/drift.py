@@ -155,8 +155,8 @@ CHECKS = (
                 "walk/velocity_verlet",
                 scheme_fault(
                     "rounding-with-a-bias",
-                    "        return r, add_scaled(v_half, 0.5 * dt, a), (a,)",
-                    "        return r, (1.0 - 2.3e-16) * add_scaled(v_half, 0.5 * dt, a), (a,)",
+                    "        return r, add_to(v_half, 0.5 * dt, a), (a,)",
+                    "        return r, (1.0 - 2.3e-16) * add_to(v_half, 0.5 * dt, a), (a,)",
                     "velocity Verlet loses a unit of the last digit of the velocity in each step",
                 ),
             ),

@@ -156,8 +156,8 @@ CHECKS = (
                 "map/velocity_verlet",
                 scheme_fault(
                     "velocity-verlet-damped-late",
-                    "        a = accelerate(force, r, v_half)\n        return r, add_scaled(v_half, 0.5 * dt, a), (a,)",
-                    "        a = accelerate(force, r, v)\n        return r, add_scaled(v_half, 0.5 * dt, a), (a,)",
+                    "        a = accelerate(force, r, v_half)\n        return r, add_to(v_half, 0.5 * dt, a), (a,)",
+                    "        a = accelerate(force, r, v)\n        return r, add_to(v_half, 0.5 * dt, a), (a,)",
                     "a velocity-dependent force gets the velocity of half a step before",
                 ),
             ),

@@ -217,8 +217,8 @@ def _check(
 _STRAY = Fault(
     "length-without-unit",
     "stepping/schemes.py",
-    "        r = add_scaled(r, dt, v_half)\n",
-    "        r = add_scaled(r + 1e-30, dt, v_half)\n",
+    "        v_half, r = kick_drift(r, v, memory[0], dt)\n",
+    "        v_half, r = kick_drift(r + 1e-30, v, memory[0], dt)\n",
     "velocity Verlet adds a length of 1e-30, whatever the unit, at each step",
 )
 _PATHS = frozenset({"positions", "velocities"})

@@ -111,7 +111,8 @@ def _scene(bare: _Bare, seed: int) -> Scene:
     if bare.kind == "lennard_jones":
         return fluid(number, 0.8442, 1.44, seed, duration=600 * step)
     if bare.kind == "grains":
-        return spheres(number, 0.9, seed % 2**31, duration=1000 * step)
+        # as dense as grains that flow: packing 0.63
+        return spheres(number, 1.2, seed % 2**31, duration=3000 * step)
     if bare.kind == "spheres":
         output = Output(collisions=(50 * number,), observables=("collisions",))
         return spheres(number, 0.5, seed % 2**31, duration=1e6, output=output)

@@ -279,7 +279,7 @@ _STEPS = {
         2e6,
     ),
     "grains": _Steps(
-        lambda number, seed, steps: spheres(number, 0.9, seed % 2**31, duration=steps * _SOFT.step),
+        lambda number, seed, steps: spheres(number, 1.3, seed % 2**31, duration=steps * _SOFT.step),
         tuple(4 * cells**3 for cells in (5, 7, 10, 14, 20)),
         _SOFT,
         ("pair_tests", "list_tests"),

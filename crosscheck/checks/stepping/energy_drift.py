@@ -69,8 +69,8 @@ CHECKS = (
                 "velocity_verlet",
                 scheme_fault(
                     "velocity-verlet-drift",
-                    "v_half = add_scaled(v, 0.5 * dt, memory[0])",
-                    "v_half = add_scaled((1.0 - 1e-7) * v, 0.5 * dt, memory[0])",
+                    "v_half, r = kick_drift(r, v, memory[0], dt)",
+                    "v_half, r = kick_drift(r, (1.0 - 1e-7) * v, memory[0], dt)",
                     "the velocity loses 1e-7 of itself every step",
                 ),
             ),

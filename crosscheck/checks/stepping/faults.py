@@ -23,8 +23,8 @@ def pair_fault(name: str, old: str, new: str, breaks: str) -> Fault:
 #: A thermostat that cools although none is asked for.
 LOSS = scheme_fault(
     "velocities-lost",
-    "        return r, add_scaled(v_half, 0.5 * dt, a), (a,)\n",
-    "        return r, (1 - 0.03 * dt) * add_scaled(v_half, 0.5 * dt, a), (a,)\n",
+    "        return r, add_to(v_half, 0.5 * dt, a), (a,)\n",
+    "        return r, (1 - 0.03 * dt) * add_to(v_half, 0.5 * dt, a), (a,)\n",
     "velocities decay at the rate 0.03: the energy falls by half within a run of 16",
 )
 #: The first lists are used for all of a run.

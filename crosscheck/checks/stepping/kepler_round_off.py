@@ -88,8 +88,8 @@ CHECKS = (
                 "e0.5/velocity_verlet",
                 scheme_fault(
                     "velocity-verlet-slightly",
-                    "v_half = add_scaled(v, 0.5 * dt, memory[0])",
-                    "v_half = add_scaled(v, 0.50000000005 * dt, memory[0])",
+                    "v_half, r = kick_drift(r, v, memory[0], dt)",
+                    "v_half, r = kick_drift(r, v, 1.0000000001 * memory[0], dt)",
                     "the first half kick is too strong by 1e-10",
                 ),
             ),

@@ -83,8 +83,8 @@ CHECKS = (
                 "velocity_verlet",
                 scheme_fault(
                     "velocity-verlet-lagged-force",
-                    "return r, add_scaled(v_half, 0.5 * dt, a), (a,)",
-                    "return r, add_scaled(v_half, 0.5 * dt, memory[0]), (a,)",
+                    "return r, add_to(v_half, 0.5 * dt, a), (a,)",
+                    "return r, add_to(v_half, 0.5 * dt, memory[0]), (a,)",
                     "the second half kick takes the old acceleration",
                 ),
             ),

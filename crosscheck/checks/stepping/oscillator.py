@@ -183,8 +183,8 @@ COEFFICIENTS = (
     _coefficient(
         "velocity-verlet-coefficient",
         "velocity_verlet",
-        "v_half = add_scaled(v, 0.5 * dt, memory[0])",
-        "v_half = add_scaled(v, 0.5005 * dt, memory[0])",
+        "v_half, r = kick_drift(r, v, memory[0], dt)",
+        "v_half, r = kick_drift(r, v, 1.001 * memory[0], dt)",
     ),
     _coefficient(
         "beeman-coefficient",
@@ -229,8 +229,8 @@ _FAULTS = {
         "velocity_verlet",
         scheme_fault(
             "velocity-verlet-misprint",
-            "r = add_scaled(r, dt, v_half)",
-            "r = add_scaled(r, dt, v_half + 0.5 * dt * memory[0])",
+            "        v_half, r = kick_drift(r, v, memory[0], dt)\n",
+            "        v_half, r = kick_drift(r, v, memory[0], dt)\n        r = r + 0.5 * dt * dt * memory[0]\n",
             "dt^2 f/m for dt^2 f/2m in the position: a printed form of velocity Verlet; order 1",
         ),
     ),

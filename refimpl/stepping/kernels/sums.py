@@ -30,23 +30,52 @@ def sum_in_order(x: np.ndarray) -> float:
     return total
 
 
-def add_scaled(x: Any, factor: float, y: Any) -> Any:
-    """x + factor y of two arrays of one shape, or of coordinates in registers; new.
+def kick_drift(r: Any, v: Any, a: Any, dt: float) -> tuple[Any, Any]:
+    """v + dt a/2 and r + dt (v + dt a/2), new; of arrays of one shape, or of coordinates in registers.
 
-    In compiled code a loop: numba makes vector instructions of that, and none of an expression of arrays.
+    In compiled code one loop: numba makes vector instructions of that, and none of expressions of arrays.
     """
-    return x + factor * y
+    v_half = v + 0.5 * dt * a
+    return v_half, r + dt * v_half
 
 
-@overload(add_scaled, strict=False)
-def _choose_sum(x: Any, factor: Any, y: Any) -> Callable[..., Any]:
+@overload(kick_drift, strict=False)
+def _choose_kick_drift(r: Any, v: Any, a: Any, dt: Any) -> Callable[..., Any]:
+    if isinstance(r, Coordinates):
+
+        def in_registers(r, v, a, dt):  # type: ignore[no-untyped-def]
+            v_half = v + 0.5 * dt * a
+            return v_half, r + dt * v_half
+
+        return in_registers
+
+    def in_a_loop(r, v, a, dt):  # type: ignore[no-untyped-def]
+        v_half, r_new, half = np.empty_like(v), np.empty_like(r), 0.5 * dt
+        for q in range(r.size):
+            v_half[q] = v[q] + half * a[q]
+            r_new[q] = r[q] + dt * v_half[q]
+        return v_half, r_new
+
+    return in_a_loop
+
+
+def add_to(x: Any, factor: float, y: Any) -> Any:
+    """x + factor y, in the place of the array x, which nobody else may need: that is in the cache, a new one is not.
+
+    Of coordinates in registers: a new value.
+    """
+    x += factor * y
+    return x
+
+
+@overload(add_to, strict=False)
+def _choose_addition(x: Any, factor: Any, y: Any) -> Callable[..., Any]:
     if isinstance(x, Coordinates):
         return lambda x, factor, y: x + factor * y
 
     def in_a_loop(x, factor, y):  # type: ignore[no-untyped-def]
-        total = np.empty_like(x)
         for q in range(x.size):
-            total[q] = x[q] + factor * y[q]
-        return total
+            x[q] += factor * y[q]
+        return x
 
     return in_a_loop
