@@ -87,7 +87,7 @@ def enlarge_lists(lists: ContactLists) -> ContactLists:
     """The same lists with room for the pairs that were found, and a quarter more."""
     contacts = lists.bookkeeping[CONTACTS]
     larger = _room(int(1.25 * lists.bookkeeping[NEEDED]) + 1, lists.stretches.size > 0)
-    # of the lists themselves there is none; the smaller ones may be used again, and share nothing that says so
+    # contacts are kept, the lists are made anew; the smaller ones may be used again, and share no array with these
     for name in ("ends", "stretches"):
         larger[name][:, :contacts] = getattr(lists, name)[:, :contacts]
     own = {name: getattr(lists, name).copy() for name in ("bookkeeping", "built", "pruned")}
