@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 from types import FunctionType
 from typing import Any, NamedTuple
 
@@ -91,6 +92,14 @@ def test_kernels_run_as_plain_python_where_numba_compiles_nothing() -> None:
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run([sys.executable, "-c", INTERPRETED], env=environment, capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("interpreted\n", "")
+
+
+def test_eight_doubles_at_once_are_the_same_in_plain_python() -> None:
+    path = Path(__file__).parent / "events" / "kernels" / "test_lanes.py"
+    code = f"import runpy; runpy.run_path({str(path)!r})['test_operations']()"
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_modules_as_plain_python_are_beside_the_compiled_ones(plain_module: Any) -> None:

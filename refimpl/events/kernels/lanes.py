@@ -4,7 +4,8 @@ The type is LLVM's `<8 x double>`: one AVX-512 register, and whatever the proces
 operation rounds on its own, as scalar code does, and none is fused or reordered: the results are those of the scalar
 formulas to the last bit, on any processor.
 
-Where kernels run as plain Python, such a value is a numpy array of eight doubles.
+Where kernels run as plain Python, such a value is a numpy array of eight doubles, or one of numpy's scalars where all
+lanes are equal: numpy repeats it, and that takes half as long. What a function here needs as an array, it says.
 """
 
 from __future__ import annotations
@@ -28,7 +29,10 @@ WIDTH = 8
 _DOUBLE, _INDEX = ir.DoubleType(), ir.IntType(32)
 _LANES, _MASK = ir.VectorType(_DOUBLE, WIDTH), ir.VectorType(ir.IntType(1), WIDTH)
 _UNDEFINED = ir.Constant(_LANES, ir.Undefined)
-_ONES = np.ones(WIDTH)
+#: In plain Python: the lower half of a number.
+_LOWER = np.int64(0xFFFFFFFF)
+#: In plain Python: eight truth values as they lie in memory, and the integer of these bits.
+_BITS = {bytes(bits >> lane & 1 for lane in range(WIDTH)): bits for bits in range(1 << WIDTH)}
 
 
 class LanesType(types.Type):  # type: ignore[misc]
@@ -70,7 +74,7 @@ register_operator(operator.eq, lanes, choice, lambda build, a, b: build.fcmp_ord
 register_operator(operator.and_, choice, choice, lambda build, a, b: build.and_(a, b))
 
 
-@instruction(lambda x: x * _ONES)
+@instruction(np.float64)
 def splat(context, x):  # type: ignore[no-untyped-def]
     """The scalar `x` in every lane."""
     if not isinstance(x, types.Float):
@@ -96,13 +100,9 @@ def square_root(context, x):  # type: ignore[no-untyped-def]
     return lanes(x), lambda context, builder, signature, arguments: vectors.square_root(builder, arguments[0])
 
 
-def _plain_bits(condition: Any) -> int:
-    return int(np.sum(condition * (1 << np.arange(WIDTH))))
-
-
-@instruction(_plain_bits)
+@instruction(lambda condition: _BITS[condition.tobytes()])
 def bits_of(context, condition):  # type: ignore[no-untyped-def]
-    """The truth values as the bits of an integer, the first lane lowest."""
+    """The truth values as the bits of an integer, the first lane lowest. In plain Python they must be an array."""
     if condition != choice:
         return None
 
@@ -124,9 +124,9 @@ def lowest_bit(context, bits):  # type: ignore[no-untyped-def]
     return types.int64(bits), generate
 
 
-@instruction(lambda x: float(np.min(x)))
+@instruction(lambda x: float(np.minimum.reduce(x)))
 def least(context, x):  # type: ignore[no-untyped-def]
-    """The least of the lanes, of which none is a NaN."""
+    """The least of the lanes, of which none is a NaN. In plain Python they must be an array."""
     if x != lanes:
         return None
 
@@ -173,8 +173,9 @@ def _matrix(context: Any, builder: Any, signature: Any, arguments: Any) -> tuple
 
 
 def _plain_columns(rows: Any, numbers: Any, place: int, shift: int) -> Any:
-    which = (numbers[place : place + WIDTH] >> shift) & 0xFFFFFFFF
-    return tuple(rows[which].T.copy())
+    which = numbers[place : place + WIDTH]
+    which = which >> np.int64(shift) if shift else which
+    return rows.take(which & _LOWER, axis=0).T
 
 
 @instruction(_plain_columns)
@@ -222,7 +223,7 @@ def _transposed(builder: Any, lines: list[Any]) -> list[Any]:
 
 
 def _plain_elements(array: Any, numbers: Any, place: int) -> Any:
-    return array[numbers[place : place + WIDTH] & 0xFFFFFFFF]
+    return array.take(numbers[place : place + WIDTH] & _LOWER)
 
 
 @instruction(_plain_elements)

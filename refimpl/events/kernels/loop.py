@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from refimpl.compilation import INTERPRETED
 from refimpl.events.kernels.compiled import inline_internal, kernel
 from refimpl.events.kernels.lanes import (
     WIDTH,
@@ -401,24 +402,32 @@ def _sizes(diameter: float, radii: Any, ids: Any, q: int, i: int) -> Any:
 
 
 @inline_internal
-def _in_field(acceleration: Any, k: int, x: Any, factor: float, s: Any) -> Any:
-    """x + factor g s along one axis."""
+def _fallen(acceleration: Any, k: int, x: Any, s: Any, ahead: Any, behind: Any) -> Any:
+    """x + g s |s|/2 along one axis, s = ahead + behind."""
     if acceleration is None:
         return x
-    return x + splat(factor * acceleration[k]) * s
+    return x + splat(0.5 * acceleration[k]) * (s * (ahead - behind))
 
 
 @inline_internal
-def _along(model: Any, rows: Any, i: int, k: int, x: Any, v: Any, ahead: Any, behind: Any, sums: Any) -> Any:
+def _accelerated(acceleration: Any, k: int, v: Any, s: Any) -> Any:
+    """v + g s along one axis."""
+    if acceleration is None:
+        return v
+    return v + splat(acceleration[k]) * s
+
+
+@inline_internal
+def _along(model: Any, rows: Any, i: int, k: int, x: Any, v: Any, s: Any, ahead: Any, behind: Any, sums: Any) -> Any:
     """Adds what one axis gives to r.v, r.r and v.v; as `_relative_position` and `_relative_speed`, eight pairs at once.
 
-    x: of r_j - r_i, the shift included. v: of the others. ahead, behind: s where it is positive, where it is negative.
+    x: of r_j - r_i, the shift included. v: of the others. s: as there. ahead, behind: s where it is positive, where it
+    is negative.
     """
     b, rr, w = sums
-    mine, s = splat(rows[i, SPEED + k]), ahead + behind
-    x = x + (v * ahead + mine * behind)
-    x = _in_field(model.acceleration, k, x, 0.5, s * (ahead - behind))
-    v = _in_field(model.acceleration, k, v - mine, 1.0, s)
+    mine = splat(rows[i, SPEED + k])
+    x = _fallen(model.acceleration, k, x + (v * ahead + mine * behind), s, ahead, behind)
+    v = _accelerated(model.acceleration, k, v - mine, s)
     return b + x * v, rr + x * x, w + v * v
 
 
@@ -434,10 +443,10 @@ def _motion(model: Any, grid: Any, rows: Any, ids: Any, q: int, i: int, inside: 
     if not inside:
         shift_x, shift_y, shift_z, _, _, _, _, _ = columns(grid.shifts, ids, q, ID_BITS)
         x, y, z = x + shift_x, y + shift_y, z + shift_z
-    sums = _along(model, rows, i, 0, x, u, ahead, behind, (zero, zero, zero))
-    sums = _along(model, rows, i, 1, y, v, ahead, behind, sums)
+    sums = _along(model, rows, i, 0, x, u, s, ahead, behind, (zero, zero, zero))
+    sums = _along(model, rows, i, 1, y, v, s, ahead, behind, sums)
     if len(model.lengths) == 3:
-        sums = _along(model, rows, i, len(model.lengths) - 1, z, w, ahead, behind, sums)
+        sums = _along(model, rows, i, len(model.lengths) - 1, z, w, s, ahead, behind, sums)
     return sums, later, busy
 
 
@@ -484,9 +493,10 @@ def _predict(model: Any, grid: Any, particles: Any, store: Any, scratch: Any, co
     """
     rows, ints, ids, numbers = particles.rows, particles.ints, scratch.ids, scratch.numbers
     p, inside = _gather(particles.shells, model, grid, particles, ids, i, layer)
-    for q in range(p):
-        prefetch(rows, (ids[q] & ID) * 64)
-        _prefetch_radius(model.radii, ids[q] & ID)
+    if not INTERPRETED:
+        for q in range(p):
+            prefetch(rows, (ids[q] & ID) * 64)
+            _prefetch_radius(model.radii, ids[q] & ID)
     tick(counts, PREDICTIONS, p)
     for lane in range(WIDTH - 1):  # a particle has no event with itself
         ids[p + lane] = (NO_SHIFT << ID_BITS) | i

@@ -9,8 +9,9 @@ Loads and stores do not check bounds, and do not know negative indices: the call
 module-level function without compiled code of its own, so that kernels which use it are found in numba's cache by every
 process. (A change of this file does not make those caches stale: touch the kernels' files too.)
 
-Where kernels run as plain Python, a vector is a numpy array of `WIDTH` doubles. Nothing is fused there: results differ
-from the compiled ones by rounding.
+Where kernels run as plain Python, a vector is a numpy array of `WIDTH` doubles, or one of numpy's scalars where all
+lanes are equal: numpy repeats it, and that takes half as long. Nothing is fused there: results differ from the compiled
+ones by rounding.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, WIDTH)
 _MASK = ir.VectorType(ir.IntType(1), WIDTH)
 _INDEX = ir.IntType(32)
-_ONES = np.ones(WIDTH)
+#: In plain Python: the numbers of the lanes.
+_NUMBERS = np.arange(WIDTH, dtype=np.float64)
+_NUMBERS.setflags(write=False)
 
 
 class VectorType(types.Type):  # type: ignore[misc]
@@ -87,7 +90,7 @@ def _is_doubles(array: Any) -> bool:
     return isinstance(array, types.Array) and array.dtype == types.float64 and array.layout == "C"
 
 
-@instruction(lambda x: x * _ONES)
+@instruction(np.float64)
 def splat(context, x):  # type: ignore[no-untyped-def]
     """The scalar `x` in every lane."""
     if not isinstance(x, types.Float):
@@ -103,7 +106,7 @@ def zeros(context):  # type: ignore[no-untyped-def]
     return vector(), lambda context, builder, signature, arguments: ir.Constant(_VECTOR, [0.0] * WIDTH)
 
 
-@instruction(lambda: np.arange(WIDTH, dtype=np.float64))
+@instruction(lambda: _NUMBERS)
 def lanes(context):  # type: ignore[no-untyped-def]
     """The lane numbers 0.0, 1.0, ..."""
     numbers = [float(lane) for lane in range(WIDTH)]
@@ -123,7 +126,7 @@ def load(context, array, i):  # type: ignore[no-untyped-def]
     return vector(array, i), generate
 
 
-@instruction(lambda array, i: array[i] * _ONES)
+@instruction(lambda array, i: array[i])
 def load_splat(context, array, i):  # type: ignore[no-untyped-def]
     """`array[i]` of a contiguous float64 array, in every lane."""
     if not (_is_doubles(array) and isinstance(i, types.Integer)):
@@ -161,7 +164,7 @@ def where(context, condition, x, y):  # type: ignore[no-untyped-def]
     return vector(condition, x, y), lambda context, builder, signature, arguments: builder.select(*arguments)
 
 
-@instruction(lambda condition: bool(condition.any()))
+@instruction(lambda condition: 1 in condition.tobytes())
 def any_lane(context, condition):  # type: ignore[no-untyped-def]
     """True if any lane is."""
     if condition != mask:
