@@ -19,6 +19,7 @@ from crosscheck.engines.workers.cache import one_at_a_time
 from crosscheck.errors import UsageError
 from crosscheck.scene import AXES, Floats, Scene, State
 from crosscheck.scene.observables import OPERATIONS
+from refimpl.compilation import INTERPRETED
 from refimpl.events import model as events
 from refimpl.events.naive import CYLINDER_FACE, Naive
 from refimpl.events.simulation import Simulation
@@ -50,7 +51,8 @@ def run_events(scene: Scene, scheduler: Any, ends: Continuation | None = None) -
             start = (model, state.positions - origin, state.velocities, state.angular_velocities)
             sim: Any
             if scheduler == "naive":
-                _Naive(*start).run(until=scene.duration, changes=1)  # compiles the collision rules
+                if not INTERPRETED:
+                    _Naive(*start).run(until=scene.duration, changes=1)  # compiles the collision rules
                 sim = (_TracedNaive if output.trace else _Naive)(*start)
             else:
                 sim = Simulation(

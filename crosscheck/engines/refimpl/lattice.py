@@ -32,6 +32,8 @@ def run_lattice(scene: Scene, method: Method, evolver: str, ends: Continuation |
     scene: a scene of a lattice gas. method: scheme and threads. evolver: "module.Class" in `refimpl.lattice` that moves
     it. ends: from where the run goes on, and what it leaves; None: nothing of it.
     """
+    from refimpl.compilation import INTERPRETED
+
     module, name = evolver.split(".")
     kind = getattr(import_module(f"refimpl.lattice.{module}"), name)
     gas = _initial_gas(scene, method, kind, ends)
@@ -40,7 +42,8 @@ def run_lattice(scene: Scene, method: Method, evolver: str, ends: Continuation |
     stage("compiling kernels")
     with one_at_a_time(f"{method.scheme} {_kernel_features(scene)}"):
         gas.advance(0)  # compiles, or loads from the cache
-        _observed(scene, gas, set(scene.output.observables))
+        if not INTERPRETED:
+            _observed(scene, gas, set(scene.output.observables))
     cost.compile = time.perf_counter() - started
 
     start = gas.time

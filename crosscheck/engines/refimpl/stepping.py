@@ -39,6 +39,7 @@ def integrated(
     """
     from numba import typeof
 
+    from refimpl.compilation import INTERPRETED
     from refimpl.stepping.integrate import compile_steps, integrate, scheme_of
 
     dt, cost, kept = method.step, Cost(), method.compensated
@@ -48,7 +49,7 @@ def integrated(
     stage("compiling kernels")
     with one_at_a_time(forces_type):
         integrate(method.scheme, force, r, v, dt, 0, thermo=thermo, compensated=kept)  # compiles the forces
-    if steps:
+    if steps and not INTERPRETED:
         with one_at_a_time(f"{type(scheme_of(method.scheme, kept).record).__name__} {thermo} {forces_type}"):
             compile_steps(method.scheme, force, r, v, dt, thermo=thermo, compensated=kept)
     cost.compile = time.perf_counter() - started
