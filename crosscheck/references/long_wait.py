@@ -10,6 +10,7 @@ Derivation: the frame of the wall, in which the speed is reversed.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cache
 from typing import NamedTuple
 
 
@@ -21,11 +22,13 @@ class Flight(NamedTuple):
     impacts: int
 
 
+@cache
 def driven_flight(place: float, velocity: float, wall: float, room: float, restitution: float, time: float) -> Flight:
     """Where a point particle is at a time.
 
     place: from the wall at 0, length. velocity: at the start, not 0; negative: towards the wall at 0. wall: V,
     length/time. room: between the walls, length. restitution: a. time: from the start. All are taken without rounding.
+    Each flight is computed once: thousands of impacts make long fractions.
     """
     x, v, push, width, a, left = map(Fraction, (place, velocity, wall, room, restitution, time))
     impacts = 0

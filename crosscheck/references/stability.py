@@ -56,12 +56,12 @@ def boundaries(scheme: str, ratio: float, low: float, high: float) -> list[float
         return log_growth(scheme, h, ratio * h) > _ONE
 
     number = max(2, math.ceil(_SCAN * math.log10(high / low)))
-    grid = np.geomspace(low, high, number).tolist()
+    grid = [(h, unstable(h)) for h in np.geomspace(low, high, number).tolist()]
     found = []
-    for left, right in pairwise(grid):
-        if unstable(left) == unstable(right):
+    for (left, first), (right, last) in pairwise(grid):
+        if first == last:
             continue
-        below, above, first = left, right, unstable(left)
+        below, above = left, right
         while above / below > 1 + _WIDTH:
             middle = math.sqrt(below * above)
             if middle in (below, above):

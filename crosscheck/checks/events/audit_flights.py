@@ -65,12 +65,15 @@ def _box(walls: _Walls) -> Box:
 def _gaps(walls: _Walls, middle: Floats, x: Floats, v: Floats, times: Floats) -> Floats:
     """Distances from the wall of flights, (flights, times)."""
     g = np.array(walls.field)
-    places = x[:, None] + v[:, None] * times[:, None] + g * times[:, None] ** 2 / 2
+
+    def places(axis: int) -> Floats:
+        return np.asarray(x[:, axis, None] + v[:, axis, None] * times + g[axis] * times**2 / 2)
+
     if walls.floor:
         floor = _FLOOR.amplitude * np.cos(_FLOOR.frequency * times + _FLOOR.phase)
-        return np.asarray(places[..., 1] - _DIAMETER / 2 - floor)
-    across = _across(walls)
-    return np.asarray(_RADIUS - _DIAMETER / 2 - np.linalg.norm((places - middle)[..., across], axis=-1))
+        return np.asarray(places(1) - _DIAMETER / 2 - floor)
+    first, second = (places(axis) - middle[axis] for axis in _across(walls))
+    return np.asarray(_RADIUS - _DIAMETER / 2 - np.sqrt(first * first + second * second))
 
 
 def _chosen(walls: _Walls, draw: Callable[[int], tuple[Floats, Floats]], middle: Floats) -> tuple[Floats, Floats]:
