@@ -39,7 +39,6 @@ def integrated(
     """
     from numba import typeof
 
-    from refimpl.compilation import INTERPRETED
     from refimpl.stepping.integrate import compile_steps, integrate, scheme_of
 
     dt, cost, kept = method.step, Cost(), method.compensated
@@ -49,7 +48,7 @@ def integrated(
     stage("compiling kernels")
     with one_at_a_time(forces_type):
         integrate(method.scheme, force, r, v, dt, 0, thermo=thermo, compensated=kept)  # compiles the forces
-    if steps and not INTERPRETED:
+    if steps:
         with one_at_a_time(f"{type(scheme_of(method.scheme, kept).record).__name__} {thermo} {forces_type}"):
             compile_steps(method.scheme, force, r, v, dt, thermo=thermo, compensated=kept)
     cost.compile = time.perf_counter() - started
