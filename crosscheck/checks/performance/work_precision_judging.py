@@ -26,9 +26,8 @@ from crosscheck.figure import Figure, Ladder
 from crosscheck.scene import Floats, Method, Scene
 from crosscheck.verdict import Judged, Judgement, bounded, order, round_off, worst
 
-#: How often a run of a ladder is made, alternated with the others, by the CPU seconds that are fewer than it takes: the
-#: longer a run, the less an interruption changes its time.
-TURNS = {0.0: 5, 0.005: 3, 0.05: 2, 1.0: 1}
+#: Times that every run of a ladder is made, alternated with the others; runs of more CPU seconds less often.
+REPEATS, FEWER, LONG, VERY_LONG = 5, 3, 0.02, 1.0
 #: The error, in its unit, from which a run says nothing any more: the size of what is computed.
 LOST = 1.0
 #: Runs of another engine that take the same steps, and the scheme of `refimpl` that these are.
@@ -144,11 +143,11 @@ def climbed(laboratory: Laboratory, scene: Scene, methods: Mapping[float, Method
     laboratory: runs them. methods: by what is varied.
     """
     runs: dict[float, list[Run]] = {control: [] for control in methods}
-    for turn in range(max(TURNS.values())):
+    for turn in range(REPEATS):
         for control, method in methods.items():
             made = runs[control]
             cpu = made[0].cost.cpu if made else 0.0
-            if turn < min(turns for seconds, turns in TURNS.items() if seconds <= cpu):
+            if turn < (1 if cpu > VERY_LONG else FEWER if cpu > LONG else REPEATS):
                 made.append(laboratory.run(scene, method, may_end_early=True))
     return [Rung(control, tuple(made)) for control, made in runs.items()]
 

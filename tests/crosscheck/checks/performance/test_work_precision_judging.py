@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -18,7 +18,6 @@ from crosscheck.checks.performance.work_precision_judging import (
     Rung,
     as_figure,
     check,
-    climbed,
     expected_evaluations,
     family,
     judged_order,
@@ -28,7 +27,6 @@ from crosscheck.convergence import Observed, observed_order
 from crosscheck.engines.protocol import Claims, Cost, Run
 from crosscheck.engines.refimpl import RefimplEngine
 from crosscheck.engines.scipy import ScipyEngine
-from crosscheck.scene import Method
 from refimpl.compilation import implements
 from refimpl.stepping.forces.generic import accelerate
 from refimpl.stepping.schemes import SCHEMES
@@ -139,23 +137,3 @@ def test_failed_runs_stay_in_the_figure() -> None:
     assert figure.ladder.failures == ["diverged", ""]
     assert figure.ladder.count == [3.0, 7.0]
     assert figure.ladder.cpu == [1.0, 2.0]
-
-
-class _Timed:
-    """In place of a laboratory: a run of dt = t takes t CPU seconds."""
-
-    def __init__(self) -> None:
-        self.taken: list[float] = []
-
-    def run(self, scene: Any, method: Method, **options: Any) -> Run:
-        self.taken.append(method.step)
-        return Run(cost=Cost(cpu=method.step))
-
-
-def test_the_shorter_a_run_is_the_more_often_it_is_made() -> None:
-    """In turns: all once, then again those that take less than so many seconds."""
-    laboratory: Any = _Timed()
-    methods = {dt: Method(scheme="velocity_verlet", dt=dt) for dt in (0.004, 0.04, 0.4, 4.0)}
-    rungs = climbed(laboratory, PROBLEMS[0].scene, methods)
-    assert [len(rung.runs) for rung in rungs] == [5, 3, 2, 1]
-    assert laboratory.taken == [0.004, 0.04, 0.4, 4.0, 0.004, 0.04, 0.4, 0.004, 0.04, 0.004, 0.004]
