@@ -38,17 +38,25 @@ _WHY = (
 class Averages:
     """Averages of runs of growing length.
 
-    amounts: (rungs,), of what is averaged over. values: (rungs, members). rungs: the runs of each.
+    amounts: (rungs,), of what is averaged over. values: (rungs, members). rungs: the runs of each. expected: what the
+    values are to be, of a method that errs beside its scatter; None: it does not.
     """
 
     amounts: Floats
     values: Floats
     rungs: list[Rung]
+    expected: float | None = None
 
     @property
     def errors(self) -> Floats:
-        """Relative standard error of one run, (rungs,)."""
-        return np.asarray(self.values.std(axis=1, ddof=1) / abs(self.values[-1].mean()))
+        """Relative error of one run, (rungs,): its standard error, or the root mean square of all of its error."""
+        if self.expected is None:
+            return np.asarray(self.values.std(axis=1, ddof=1) / abs(self.values[-1].mean()))
+        return np.asarray(np.sqrt(((self.values / self.expected - 1) ** 2).mean(axis=1)))
+
+    @property
+    def _name(self) -> str:
+        return "standard error" if self.expected is None else "error"
 
     def exponent(self) -> Judgement:
         """The judgement that the standard error falls with the square root of the amount."""
@@ -56,7 +64,9 @@ class Averages:
         weights = (x - x.mean()) / ((x - x.mean()) ** 2).sum()
         each = 1 / (2 * (self.values.shape[1] - 1)) ** 0.5
         return statistical(
-            "power of the amount in the standard error",
+            "power of the amount in the standard error"
+            if self.expected is None
+            else "power of the amount in the error",
             float(weights @ y),
             float(each * (weights**2).sum() ** 0.5),
             -0.5,
@@ -66,8 +76,8 @@ class Averages:
         )
 
     def merit(self) -> str:
-        """Relative standard error times the square root of the CPU seconds, of the longest runs, in words."""
-        return f"relative standard error {self.errors[-1] * self.rungs[-1].seconds[0] ** 0.5:.2g}/sqrt(CPU s)"
+        """Relative error times the square root of the CPU seconds, of the longest runs, in words."""
+        return f"relative {self._name} {self.errors[-1] * self.rungs[-1].seconds[0] ** 0.5:.2g}/sqrt(CPU s)"
 
     def figure(
         self, title: str, label: str, claims: Claims, control: str, count: Callable[[Run], float], count_label: str
@@ -80,19 +90,22 @@ class Averages:
         errors = self.errors.tolist()
         unknown = (self.errors / (2 * (self.values.shape[1] - 1)) ** 0.5).tolist()
         return as_figure(
-            title, "relative standard error of a run", label, claims, control, self.rungs, errors, unknown,
+            title, "relative error of a run", label, claims, control, self.rungs, errors, unknown,
             count=count, count_label=count_label,
         )  # fmt: skip
 
 
 def averaged(
-    amounts: Sequence[float], run: Callable[[float, int], tuple[float, Run]], members: int = MEMBERS
+    amounts: Sequence[float],
+    run: Callable[[float, int], tuple[float, Run]],
+    members: int = MEMBERS,
+    expected: float | None = None,
 ) -> Averages:
     """Runs of all amounts, in turns. amounts: rising. run: value and run of an amount and a member, from 0.
 
-    members: independent runs of each amount.
+    members: independent runs of each amount. expected: see `Averages`.
     """
     made = [[run(amount, member) for amount in amounts] for member in range(members)]
     values = np.array([[value for value, _ in turn] for turn in made]).T
     rungs = [Rung(float(amount), tuple(turn[k][1] for turn in made)) for k, amount in enumerate(amounts)]
-    return Averages(np.array(amounts, dtype=np.float64), values, rungs)
+    return Averages(np.array(amounts, dtype=np.float64), values, rungs, expected)

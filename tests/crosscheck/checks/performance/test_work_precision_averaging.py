@@ -41,3 +41,15 @@ def test_the_ladder_has_the_relative_error_and_the_cpu_time_of_one_run() -> None
     assert ladder.error[0] == pytest.approx(0.05, rel=0.6)
     assert ladder.uncertainty[0] == pytest.approx(ladder.error[0] / (2 * (MEMBERS - 1)) ** 0.5, rel=1e-4)
     assert found.merit().startswith("relative standard error 0.0")
+
+
+def test_a_bias_is_part_of_the_error_where_it_may_be() -> None:
+    """Values that are off by 10 % have that error, however little they scatter."""
+
+    def run(amount: float, member: int) -> tuple[float, Run]:
+        return 2.2 + 1e-3 * (-1) ** member, Run(cost=Cost(cpu=amount, steps=int(amount)))
+
+    found = averaged([1, 4, 16, 64], run, expected=2.0)
+    assert found.errors == pytest.approx(0.1, rel=1e-3)
+    assert found.exponent().outcome == "fail"
+    assert averaged([1, 4], run).errors == pytest.approx(1e-3 / 2.2, rel=0.1)
