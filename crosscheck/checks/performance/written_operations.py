@@ -123,7 +123,7 @@ _WELLS = spheres(
     hard_spheres=HardSpheres(well=Well(depth=1.0, range=1.5)),
     output=_output(0.5, _SUMS),
 )
-_DILUTE = spheres(16, 1e-3, 3, name="dilute-spheres", duration=100.0, output=_output(100.0))
+_DILUTE = spheres(16, 1e-4, 3, name="dilute-disks", dimension=2, duration=4e3, output=_output(4e3))
 _WALLED = spheres(
     64,
     0.3,
@@ -152,7 +152,7 @@ KNOWN = {
         Known("event_driven", _WALLED, 724217),
         Known("event_driven", _IN_A_BOX, 454077),
         Known("event_driven", _IN_A_DRUM, 563459),
-        Known("event_driven", _DILUTE, 934433),
+        Known("event_driven", _DILUTE, 1200985),
         Known("event_driven", _IN_CELLS, 962230),
     ),
 }
@@ -270,7 +270,7 @@ def _fitted(columns: list[Floats], work: Floats) -> tuple[Floats, float]:
 
 # -- checks ------------------------------------------------------------------------------------------------------------
 
-_SIZES = tuple(2**k for k in range(7, 17))
+_SIZES = tuple(2**k for k in range(7, 15))
 _LARGE = (*(2**k for k in range(7, 18)), 10**6)
 _GROWING = {
     "tree": _Queue("event_driven", _SIZES, climbs=True),
