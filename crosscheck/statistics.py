@@ -265,37 +265,6 @@ def seen_beyond(quantile: float, freedom: float, probability: float) -> float:
         )
 
 
-class Slope(NamedTuple):
-    """A fitted slope d ln y/d ln x. value: the slope. error: see `fitted_order`. used: number of points used."""
-
-    value: float
-    error: float
-    used: int
-
-
-def fitted_order(steps: ArrayLike, errors: ArrayLike, floor: float) -> Slope:
-    """Order of convergence: slope of ln(error) against ln(step) in the asymptotic window.
-
-    The window is the three smallest steps whose errors are above the rounding errors: there, terms of higher order are
-    smallest. The error of the slope is the largest difference of the slope between neighbouring points from it. steps,
-    errors: (n,). floor: errors at or below it are rounding errors, and left out. Where fewer than 3 points remain: NaN
-    if an error is not finite, since a run has diverged, else ValueError.
-    """
-    x, y = np.asarray(steps, dtype=np.float64), np.asarray(errors, dtype=np.float64)
-    good = np.isfinite(y) & (y > floor)
-    diverged = not np.isfinite(y).all()
-    x, y = x[good], y[good]
-    if x.size < 3 and diverged:
-        return Slope(np.nan, np.inf, x.size)
-    if x.size < 3:
-        raise ValueError(f"an order needs 3 points above the rounding floor {floor:g}, found {x.size}")
-    window = np.argsort(x)[:3]
-    lx, ly = np.log(x[window]), np.log(y[window])
-    slope = float(np.polyfit(lx, ly, 1)[0])
-    local = np.diff(ly) / np.diff(lx)
-    return Slope(slope, float(np.abs(local - slope).max()), 3)
-
-
 class Fit(NamedTuple):
     """A fitted law of growth. bic: Bayesian information criterion; the best law has the smallest. coefficients: a and b
     of a + b f(N), or a alone.

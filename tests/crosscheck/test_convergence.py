@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crosscheck.convergence import CLEAR, FEWEST, extrapolate, observed_order
+from crosscheck.convergence import CLEAR, FEWEST, extrapolate, fitted_order, observed_order
 
 
 def test_even_polynomials_are_extrapolated_exactly() -> None:
@@ -139,3 +139,42 @@ def test_too_few_runs_are_no_order() -> None:
 def test_steps_are_positive_and_different(steps: list[float]) -> None:
     with pytest.raises(ValueError, match="positive, and differ"):
         observed_order(steps, [1.0, 2.0, 3.0, 4.0])
+
+
+# -- the three smallest steps -----------------------------------------------------------------------
+
+
+@given(order=st.floats(0.5, 8), factor=st.floats(1e-3, 1e3), permutation=st.permutations(range(5)))
+def test_a_power_law_gives_its_exponent(order: float, factor: float, permutation: list[int]) -> None:
+    steps = 0.1 * 2.0 ** -np.array(permutation)
+    slope = fitted_order(steps, factor * steps**order, floor=0.0)
+    assert slope.value == pytest.approx(order, abs=1e-9)
+    assert slope.error < 1e-9
+    assert slope.used == 3
+
+
+def test_points_at_the_floor_and_broken_ones_are_left_out() -> None:
+    steps = np.array([0.8, 0.4, 0.2, 0.1, 0.05, 0.025])
+    errors = steps**4
+    errors[3], errors[4], errors[5] = 1e-15, 1e-14, np.inf
+    slope = fitted_order(steps, errors, floor=1e-14)
+    assert slope.value == pytest.approx(4, abs=1e-12)
+
+
+def test_the_smallest_steps_are_fitted() -> None:
+    steps = 0.5 ** np.arange(8)
+    slope = fitted_order(steps, steps**2 * (1 + steps), floor=0.0)
+    assert slope.value == pytest.approx(2, abs=0.03)
+    assert slope.error < 0.01
+
+
+def test_error_is_the_departure_of_the_local_slopes() -> None:
+    # local slopes 1 and 3
+    slope = fitted_order([1.0, 2.0, 4.0], [1.0, 2.0, 16.0], floor=0.0)
+    assert slope.value == pytest.approx(2)
+    assert slope.error == pytest.approx(1)
+
+
+def test_too_few_points_are_refused() -> None:
+    with pytest.raises(ValueError, match="3 points above the rounding floor 1e-10, found 2"):
+        fitted_order([1.0, 0.5, 0.25], [1e-2, 1e-4, 1e-10], floor=1e-10)

@@ -16,7 +16,6 @@ from crosscheck.statistics import (
     Trend,
     combined,
     correlated_mean,
-    fitted_order,
     independent_mean,
     mean_of_stretches,
     standard_error,
@@ -181,42 +180,3 @@ def test_a_derived_mean_is_as_certain_as_the_least_certain() -> None:
     one, other = Mean(1.0, 0.1, 100.0, 20.0, rising), Mean(2.0, 0.1, 50.0, 25.0, still)
     assert combined(3.0, 0.2, [one, other]) == Mean(3.0, 0.2, 50.0, 20.0, rising)
     assert combined(3.0, 0.2, [one._replace(trend=None)]).trend is None
-
-
-# -- orders ------------------------------------------------------------------------------------------
-
-
-@given(order=st.floats(0.5, 8), factor=st.floats(1e-3, 1e3), permutation=st.permutations(range(5)))
-def test_a_power_law_gives_its_exponent(order: float, factor: float, permutation: list[int]) -> None:
-    steps = 0.1 * 2.0 ** -np.array(permutation)
-    slope = fitted_order(steps, factor * steps**order, floor=0.0)
-    assert slope.value == pytest.approx(order, abs=1e-9)
-    assert slope.error < 1e-9
-    assert slope.used == 3
-
-
-def test_points_at_the_floor_and_broken_ones_are_left_out() -> None:
-    steps = np.array([0.8, 0.4, 0.2, 0.1, 0.05, 0.025])
-    errors = steps**4
-    errors[3], errors[4], errors[5] = 1e-15, 1e-14, np.inf
-    slope = fitted_order(steps, errors, floor=1e-14)
-    assert slope.value == pytest.approx(4, abs=1e-12)
-
-
-def test_the_smallest_steps_are_fitted() -> None:
-    steps = 0.5 ** np.arange(8)
-    slope = fitted_order(steps, steps**2 * (1 + steps), floor=0.0)
-    assert slope.value == pytest.approx(2, abs=0.03)
-    assert slope.error < 0.01
-
-
-def test_error_is_the_departure_of_the_local_slopes() -> None:
-    # local slopes 1 and 3
-    slope = fitted_order([1.0, 2.0, 4.0], [1.0, 2.0, 16.0], floor=0.0)
-    assert slope.value == pytest.approx(2)
-    assert slope.error == pytest.approx(1)
-
-
-def test_too_few_points_are_refused() -> None:
-    with pytest.raises(ValueError, match="3 points above the rounding floor 1e-10, found 2"):
-        fitted_order([1.0, 0.5, 0.25], [1e-2, 1e-4, 1e-10], floor=1e-10)

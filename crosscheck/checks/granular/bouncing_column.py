@@ -16,14 +16,13 @@ from numpy.typing import ArrayLike
 from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, soft, variants_of
 from crosscheck.checks.events.driven import run_whole
 from crosscheck.checks.granular.soft_grains import CONTACTS, REFERENCE, soft_needs
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.engines.protocol import Run
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
 from crosscheck.references.soft_chain import soft_chain
 from crosscheck.scene import Box, Explicit, Face, HardSpheres, Output, Scene
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, bounded, order, within, worst
 
 _BEADS, _RESTITUTION, _FALL = 8, 0.95, 2.0

@@ -27,13 +27,12 @@ from crosscheck.checks.granular.impacts import (
     wander,
 )
 from crosscheck.checks.granular.soft_grains import soft_needs
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
 from crosscheck.references.soft_impact import SoftContact, stiffness
 from crosscheck.references.stepped_contact import sticking_bound
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off, worst
 
 #: Slip over speed of approach: friction without limit is linear in the slip, but at a large one a code whose mu is

@@ -30,7 +30,7 @@ from crosscheck.checks.granular.impacts import (
     wander,
 )
 from crosscheck.checks.granular.soft_grains import CONTACTS, contact_needs, soft_needs
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
@@ -38,7 +38,6 @@ from crosscheck.references.hertz_mindlin import Material, normal_modulus
 from crosscheck.references.soft_impact import HertzImpact, HookeImpact, stiffness
 from crosscheck.references.stepped_contact import Errors, impact_bounds
 from crosscheck.scene import Contact
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, worst
 
 ALPHAS = (1.0, 0.9, 0.6, 0.2, 0.05)

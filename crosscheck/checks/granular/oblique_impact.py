@@ -28,14 +28,13 @@ from crosscheck.checks.granular.impacts import (
     turns,
 )
 from crosscheck.checks.granular.soft_grains import CONTACTS, REFERENCE, soft_needs
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON, granular
 from crosscheck.references.granular import Body
 from crosscheck.references.soft_impact import SoftContact, hard_impact, residual, soft_impact, stiffness
 from crosscheck.references.stepped_contact import friction_bounds, hard_rule_bounds, hooke_bounds
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off, worst
 
 #: Impacts reach this many times the hard rule's limit of sticking.

@@ -26,7 +26,7 @@ from crosscheck.checks.granular.impacts import (
     rounded_speed,
 )
 from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.errors import Unsupported
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
@@ -34,7 +34,7 @@ from crosscheck.references import EPSILON
 from crosscheck.references.soft_impact import stiffness
 from crosscheck.references.stepped_contact import elastic_energy_bound, hooke_bounds
 from crosscheck.scene import Box, HardSpheres, Lattice, Output, Scene
-from crosscheck.statistics import fitted_order, independent_mean, standard_error
+from crosscheck.statistics import independent_mean, standard_error
 from crosscheck.verdict import Judged, order, statistical, within, worst
 
 # -- towards 1, and towards 0 ------------------------------------------------------------------------------------------

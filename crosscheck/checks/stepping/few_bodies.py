@@ -11,11 +11,10 @@ from crosscheck.checks.base import Check, Laboratory, schemes_with
 from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.checks.stepping.faults import gravity_fault, pair_fault
 from crosscheck.checks.stepping.orbits import nominal_order
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.engines.capabilities import Needs
 from crosscheck.references.smooth_forces import orbit
 from crosscheck.scene import Box, Floats, Gravity, LennardJones, Method, Scene, explicit
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off
 
 

@@ -17,14 +17,13 @@ from crosscheck.checks.stepping.three_bodies import (
     furthest,
     three_body_scene,
 )
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.engines.capabilities import Needs
 from crosscheck.figure import Figure, Series
 from crosscheck.references import three_body
 from crosscheck.references.oscillator import rounding_lever
 from crosscheck.references.three_body import FIGURE_EIGHT, GREATEST_GRADIENT, RETURN_ERROR
 from crosscheck.scene import Method
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off, within, worst
 
 EIGHT = three_body_scene("figure-eight", FIGURE_EIGHT)

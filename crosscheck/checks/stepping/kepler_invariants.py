@@ -22,12 +22,11 @@ from crosscheck.checks.stepping.orbits import (
     kepler_scene,
     step_numbers,
 )
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON, kepler
 from crosscheck.references.oscillator import rounding_lever
 from crosscheck.scene import Floats, Method
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, Judgement, bounded, order, round_off, within, worst
 
 ECCENTRICITY, PERIODS = 0.5, 20

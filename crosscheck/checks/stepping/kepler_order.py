@@ -26,12 +26,11 @@ from crosscheck.checks.stepping.orbits import (
     step_numbers,
     tier_of,
 )
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.engines.protocol import Claims
 from crosscheck.figure import Figure, Series
 from crosscheck.references import kepler
 from crosscheck.scene import Method
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order, round_off
 
 #: Steps of the coarsest run, times the angular speed at pericentre: there, errors are asymptotic. By the order.

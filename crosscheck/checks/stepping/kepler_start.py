@@ -18,12 +18,11 @@ from crosscheck.checks.stepping.orbits import (
     kepler_scene,
     rounding_floor,
 )
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.engines.protocol import Claims
 from crosscheck.figure import Figure, Series
 from crosscheck.references import kepler
 from crosscheck.scene import Floats, Method
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order
 
 #: Schemes, by the order that an exact start would give them.

@@ -8,12 +8,11 @@ from crosscheck.checks.base import Check, Laboratory, schemes_with
 from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.checks.stepping.faults import scheme_fault
 from crosscheck.checks.stepping.fluids import OPEN, STEP, fluid
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.engines.capabilities import Needs
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON
 from crosscheck.scene import Box, LennardJones, Method, Output, Scene, explicit
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, order
 
 

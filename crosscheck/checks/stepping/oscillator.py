@@ -11,13 +11,12 @@ from crosscheck.checks.base import Check, Laboratory, schemes_with
 from crosscheck.checks.stepping.audit import tier_beside_audits
 from crosscheck.checks.stepping.faults import scheme_fault
 from crosscheck.checks.stepping.springs import DAMPED, MASS, OMEGA0, SPRING, STIFFNESS
-from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER
+from crosscheck.convergence import ORDER_TOLERANCE, WHY_ORDER, fitted_order
 from crosscheck.engines.protocol import Claims, Run, sample_times
 from crosscheck.faults import Fault
 from crosscheck.figure import Figure, Series
 from crosscheck.references import EPSILON, oscillator
 from crosscheck.scene import Explicit, Floats, Method, Output, Scene, Spring
-from crosscheck.statistics import fitted_order
 from crosscheck.verdict import Judged, controls, order, round_off, worst
 
 CRITICAL = 2 * (STIFFNESS * MASS) ** 0.5
