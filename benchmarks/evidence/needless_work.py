@@ -1,6 +1,6 @@
 """Whether work that an event does not need is seen: some is drawn at random, and shown to the checks of work.
 
-    python benchmarks/evidence/needless_work.py [--number K] [--seed S]
+    python benchmarks/evidence/needless_work.py [--number K] [--seed S] [--scaling]
 
 Drawn are a kind of needless work, and a place for it in the kernels of events: a statement that is done once more, or
 a loop before a statement, over all particles, over sqrt N or log2 N of them, over a row of cells, the particle's own
@@ -8,10 +8,11 @@ cell, or the buckets of the calendar, or one that copies an array. What is drawn
 `performance/written-operations` give the same results as before, to the last bit: work that is needless.
 
 Each such copy of the sources is shown to the checks that count: `events/operations` (the kernels' own counters) and
-`performance/written-operations` (all that is written). Loops that grow with the number of particles are shown to
-`performance/scaling-events` (the kernels' own) and `performance/scaling-written-operations` (all) too, with the first
-scheduler of the tree, the lists and the calendar that does the work. Where none is red although a scene does more,
-`performance/scaling-event-time` is asked, which takes minutes.
+`performance/written-operations` (all that is written). Loops that grow with the number of particles, and that neither
+has seen (with --scaling: all of them), are shown to `performance/scaling-events` (the kernels' own) and
+`performance/scaling-written-operations` (all) too, with the first scheduler of the tree, the lists and the calendar
+that does the work. Where none is red although a scene does more, `performance/scaling-event-time` is asked, which takes
+minutes.
 
 Printed is a line for each: what, where, by how much the operations of the scene grow in which they grow most, and how
 many cases of each check are red.
@@ -237,14 +238,14 @@ def case(check: Check, variant: str) -> runner.Case:
     return runner.Case(check.name, variant, "refimpl", check.timing)
 
 
-def red(fault: Fault, scheme: str, *, grows: bool, done: bool) -> dict[str, tuple[int, int]]:
+def red(fault: Fault, scheme: str, *, grows: bool, done: bool, scaling: bool) -> dict[str, tuple[int, int]]:
     """By check: the number of its cases that are red, and of those that were judged.
 
-    scheme: that does the work. grows: it may be more in larger gases. done: a scene does it.
+    scheme: that does the work. grows: it may be more in larger gases. done: a scene does it. scaling: larger gases are
+    judged although small ones were red.
     """
     variant = VARIANTS[scheme]
     cases = [case(runner.find(name), one.name) for name in SMALL for one in runner.find(name).offered({})]
-    cases += [case(runner.find(name), variant) for name in LARGE if grows]
     found: dict[str, tuple[int, int]] = {}
 
     def judge(one: runner.Case) -> None:
@@ -258,6 +259,9 @@ def red(fault: Fault, scheme: str, *, grows: bool, done: bool) -> dict[str, tupl
         judging = stack.enter_context(Judge(directory, directory / "caches"))
         for one in cases:
             judge(one)
+        if grows and (scaling or not any(number for number, _ in found.values())):
+            for name in LARGE:
+                judge(case(runner.find(name), variant))
         if not any(number for number, _ in found.values()) and done and variant != "lists":
             judge(case(runner.find(LAST), variant))
     return found
@@ -268,6 +272,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--number", type=int, default=24)
     parser.add_argument("--seed", type=int, default=15)
+    parser.add_argument("--scaling", action="store_true")
     options = parser.parse_args()
     usual = {variant: runs_of(sources(), variant) for variant in KNOWN}
     columns = (*SMALL, *LARGE, LAST)
@@ -278,7 +283,7 @@ def main() -> None:
     for _ in range(options.number):
         one, more = next(draws)
         scheme, most = scheme_of(one.place, more), max(more.values())
-        answers = red(one.fault, scheme, grows=one.kind not in CONSTANT, done=most > 0)
+        answers = red(one.fault, scheme, grows=one.kind not in CONSTANT, done=most > 0, scaling=options.scaling)
         missed += not any(number for number, _ in answers.values())
         cells = [f"{answers[name][0]} of {answers[name][1]}" if name in answers else "" for name in columns]
         where = f"{one.place.file}:{one.place.statement.lineno} {one.place.function}"

@@ -90,9 +90,7 @@ class Work(NamedTuple):
     digest: str
 
 
-def work_of(
-    sources: Path, runs: Sequence[tuple[Scene, Method]], *, interpreted: bool, ahead: bool = True
-) -> list[Work]:
+def work_of(sources: Path, runs: Sequence[tuple[Scene, Method]], *, interpreted: bool) -> list[Work]:
     """Runs scenes with a copy of `sources` that counts all operations of the event kernels; EngineError if that fails.
 
     sources: directory of a `refimpl`. runs: scenes with the observables `operation_counts` and `events`, each with how

@@ -123,7 +123,7 @@ _WELLS = spheres(
     hard_spheres=HardSpheres(well=Well(depth=1.0, range=1.5)),
     output=_output(0.5, _SUMS),
 )
-_DILUTE = spheres(16, 1e-4, 3, name="dilute-disks", dimension=2, duration=4e3, output=_output(4e3))
+_DILUTE = spheres(16, 1e-3, 3, name="dilute-spheres", duration=300.0, output=_output(300.0))
 _WALLED = spheres(
     64,
     0.3,
@@ -152,7 +152,7 @@ KNOWN = {
         Known("event_driven", _WALLED, 724217),
         Known("event_driven", _IN_A_BOX, 454077),
         Known("event_driven", _IN_A_DRUM, 563459),
-        Known("event_driven", _DILUTE, 1200985),
+        Known("event_driven", _DILUTE, 2711018),
         Known("event_driven", _IN_CELLS, 962230),
     ),
 }
