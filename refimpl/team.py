@@ -6,11 +6,15 @@ on who takes it, so results are the same to the last bit for any number of threa
 them all. A round costs some ten atomic operations. Helpers wait for the next one by spinning, which is what makes a
 round of some microseconds worth sharing, and give their core away after a while.
 
-    begin_round(flags)                                  # the leader; what pieces read must be ready
-    while (piece := next_piece(flags, pieces)) >= 0:    # leader and helpers
+    begin_round(flags, pieces)                  # the leader; what pieces read must be ready
+    while (piece := next_piece(flags)) >= 0:    # leader and helpers
         ...
         piece_done(flags)
-    wait_for_pieces(flags, pieces)                      # the leader
+    wait_for_pieces(flags, pieces)              # the leader
+
+Pieces are given out in the order of their numbers, so a piece may wait with `wait_for_pieces` until those before it are
+done: two kinds of work, of which the second needs all of the first, take one round. What is not the same in each round,
+as arrays that come and go, a helper must read after it has got a piece; it sees them by their `address`.
 
 `flags`: shape (FLAGS,), int64, zeros at first. A helper is a thread in a compiled function that releases the lock of
 Python, and calls `join_team` and then `wait_for_round` until it returns 0.
@@ -26,16 +30,16 @@ from typing import Any
 
 import llvmlite.ir as ir
 import numpy as np
-from numba import types
+from numba import carray, types
 from numba.core import cgutils
 
 from refimpl.compilation import INTERPRETED, compiled, instruction
 
-# Places in `flags`, each on a cache line of its own: rounds begun, or -1 for the end; next piece; pieces done; helpers
-# that have come.
-_ROUND, _NEXT, _DONE, _COME = 0, 8, 16, 24
+# Places in `flags`, each on a cache line of its own: rounds begun, or -1 for the end; pieces that nobody has taken, or
+# less than none; pieces done; helpers that have come; pieces of the round.
+_ROUND, _LEFT, _DONE, _COME, _PIECES = 0, 8, 16, 24, 32
 #: Size of `flags`.
-FLAGS = 32
+FLAGS = 40
 #: Looks at a flag before a waiting thread gives its core away between two looks: some tens of microseconds.
 _PATIENCE = 2000
 
@@ -70,20 +74,19 @@ def _set(context, flags, i, value):  # type: ignore[no-untyped-def]
     return types.void(flags, types.int64, types.int64), generate
 
 
-def _plain_count(flags: np.ndarray, i: int) -> int:
-    flags[i] += 1
-    return int(flags[i]) - 1
+def _plain_add(flags: np.ndarray, i: int, number: int) -> int:
+    flags[i] += number
+    return int(flags[i]) - number
 
 
-@instruction(_plain_count)
-def _count(context, flags, i):  # type: ignore[no-untyped-def]
-    """Adds 1 to the flag i, and returns what it was; no two threads get the same number."""
+@instruction(_plain_add)
+def _add(context, flags, i, number):  # type: ignore[no-untyped-def]
+    """Adds a number to the flag i, and returns what it was; no two threads find the same."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        pointer = _pointer(context, builder, signature, arguments)
-        return builder.atomic_rmw("add", pointer, ir.Constant(ir.IntType(64), 1), "acq_rel")
+        return builder.atomic_rmw("add", _pointer(context, builder, signature, arguments), arguments[2], "acq_rel")
 
-    return types.int64(flags, types.int64), generate
+    return types.int64(flags, types.int64, types.int64), generate
 
 
 @instruction(lambda: None)
@@ -98,31 +101,63 @@ def _give_way(context):  # type: ignore[no-untyped-def]
     return types.void(), generate
 
 
+@instruction(lambda array: 0)
+def address(context, array):  # type: ignore[no-untyped-def]
+    """Where an array of doubles is in memory; 0 in plain Python, where there are no helpers."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, value=arguments[0]).data
+        return builder.ptrtoint(data, ir.IntType(64))
+
+    return types.int64(array), generate
+
+
+def _no_pointer(place: int) -> Any:
+    raise AssertionError("in plain Python there are no helpers")
+
+
+@instruction(_no_pointer)
+def _pointer_to(context, place):  # type: ignore[no-untyped-def]
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.inttoptr(arguments[0], ir.DoubleType().as_pointer())
+
+    return types.CPointer(types.float64)(types.int64), generate
+
+
 @compiled(cache=True)
-def begin_round(flags: np.ndarray) -> None:
-    """Opens the pieces of a new round to the helpers; everything that they read must be written."""
-    # a helper that is late from the last round may take a piece as soon as the second flag is set
+def doubles_at(place: int, number: int) -> np.ndarray:
+    """The array of so many doubles at this `address`, (number,), as long as its owner keeps it. In helpers only."""
+    array: np.ndarray = carray(_pointer_to(place), (number,))
+    return array
+
+
+@compiled(cache=True)
+def begin_round(flags: np.ndarray, pieces: int) -> None:
+    """Opens a new round of so many pieces to the helpers; everything that they read must be written."""
+    # a helper that is late from the last round may take a piece as soon as the number of those left is set
     _set(flags, _DONE, 0)
-    _set(flags, _NEXT, 0)
-    _count(flags, _ROUND)
+    _set(flags, _PIECES, pieces)
+    _set(flags, _LEFT, pieces)
+    _add(flags, _ROUND, 1)
 
 
 @compiled(cache=True)
-def next_piece(flags: np.ndarray, pieces: int) -> int:
-    """A piece that nobody has taken, 0 ... pieces - 1, or -1 if there is none left."""
-    piece = _count(flags, _NEXT)
-    return piece if piece < pieces else -1
+def next_piece(flags: np.ndarray) -> int:
+    """The first piece that nobody has taken, 0 ... pieces - 1, or -1 if there is none left."""
+    left = _add(flags, _LEFT, -1)
+    # who holds a piece knows that its round is not over
+    return _look(flags, _PIECES) - left if left > 0 else -1
 
 
 @compiled(cache=True)
 def piece_done(flags: np.ndarray) -> None:
     """Says that a piece that was taken is done."""
-    _count(flags, _DONE)
+    _add(flags, _DONE, 1)
 
 
 @compiled(cache=True)
 def wait_for_pieces(flags: np.ndarray, pieces: int) -> None:
-    """Returns once all pieces of the round are done."""
+    """Returns once the first `pieces` of the round are done; called by who holds a later one, or by the leader."""
     looks = 0
     while _look(flags, _DONE) < pieces:
         looks += 1
@@ -133,7 +168,7 @@ def wait_for_pieces(flags: np.ndarray, pieces: int) -> None:
 @compiled(cache=True)
 def join_team(flags: np.ndarray) -> None:
     """Says that a helper is here, and needs Python no more."""
-    _count(flags, _COME)
+    _add(flags, _COME, 1)
 
 
 @compiled(cache=True)
@@ -177,4 +212,4 @@ def helping(serve: Callable[[], None], flags: np.ndarray, threads: int) -> Itera
         flags[_ROUND] = -1
         for helper in helpers:
             helper.join()
-        flags[_ROUND] = 0
+        flags[:] = 0  # how often helpers looked in vain is nobody's business

@@ -24,7 +24,7 @@ from refimpl.team import (
 @compiled()
 def take(flags: np.ndarray, taken: np.ndarray) -> int:
     """Counts in `taken` how often each piece was done; returns how many were. Slow, so that every thread gets some."""
-    piece = next_piece(flags, len(taken))
+    piece = next_piece(flags)
     count = 0
     while piece >= 0:
         x = 1.0
@@ -33,7 +33,7 @@ def take(flags: np.ndarray, taken: np.ndarray) -> int:
         taken[piece] += 1 + int(x > 2.0)
         count += 1
         piece_done(flags)
-        piece = next_piece(flags, len(taken))
+        piece = next_piece(flags)
     return count
 
 
@@ -53,7 +53,7 @@ def lead(flags: np.ndarray, taken: np.ndarray, rounds: int) -> tuple[int, int]:
     """The first round after which not every piece had been done as often as there were rounds, or 0; own pieces."""
     own = 0
     for number in range(1, rounds + 1):
-        begin_round(flags)
+        begin_round(flags, len(taken))
         own += take(flags, taken)
         wait_for_pieces(flags, len(taken))
         for piece in range(len(taken)):

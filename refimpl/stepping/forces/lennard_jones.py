@@ -19,6 +19,8 @@ D. J. Tildesley, Computer Simulation of Liquids (1987), sections 1.3, 2.8 and 5.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,8 +38,9 @@ from refimpl.stepping.forces.generic import (
     periods,
     renew,
     status,
+    team,
 )
-from refimpl.stepping.kernels.lennard_jones import between_walls, tile_accelerations, tile_energy, wall_energy
+from refimpl.stepping.kernels.lennard_jones import between_walls, serve, tile_accelerations, tile_energy, wall_energy
 from refimpl.stepping.kernels.neighbours import (
     BUILDS,
     PRUNES,
@@ -52,6 +55,7 @@ from refimpl.stepping.kernels.neighbours import (
 )
 from refimpl.stepping.kernels.simd import WIDTH
 from refimpl.stepping.kernels.sums import sum_of_squares
+from refimpl.team import helping
 
 TRUNCATIONS = ("truncated", "shifted", "force_shifted")
 
@@ -86,7 +90,8 @@ class LennardJones(NamedTuple):
     species: (N,) indices into species_epsilon, species_sigma. slot_size, slot_strength: sigma/2 and sqrt(epsilon) of
     the particle in each slot of the lists, in a mixture. shift_energy, shift_force: True where the truncation asks for
     it. mass: common, not 1; masses: (N,). walls: on the faces 0 and lengths[k] of the axes k that are not periodic.
-    neighbours: the lists. counters: (3,), see LIST_BUILDS and the names after it.
+    neighbours: the lists. forces: on the particles of the tiles, as `neighbours.tiles`; energies: (tiles, 2), of the pairs
+    of each tile, and r F. counters: (3,), see LIST_BUILDS and the names after it. threads: that share the work.
     """
 
     lengths: tuple[float, ...]
@@ -104,7 +109,10 @@ class LennardJones(NamedTuple):
     masses: np.ndarray | None
     walls: Walls | None
     neighbours: Neighbours
+    forces: np.ndarray
+    energies: np.ndarray
     counters: np.ndarray
+    threads: int
 
 
 def _finite(name: str, value: Any, *, positive: bool = True) -> np.ndarray:
@@ -146,6 +154,7 @@ def lennard_jones(
     mass: float | np.ndarray = 1.0,
     walls: Walls | None = None,
     skin: float | None = None,
+    threads: int = 1,
 ) -> LennardJones:
     """A Lennard-Jones system of `number` particles in `dimension` 2 or 3, with one cutoff for all pairs.
 
@@ -154,7 +163,7 @@ def lennard_jones(
     length_form: "sigma", or "r_m" if `sigma` holds the distances of the minimum, 2^(1/6) sigma. truncation: one of
     TRUNCATIONS. mass: one number, or (N,). walls: on both faces, 0 and lengths[k], of every axis k that is not
     periodic; without, such an axis is open. skin: of the Verlet lists, by default SKIN times the largest sigma: it
-    changes the speed only.
+    changes the speed only. threads: that share the work while `integrate` runs; no bit depends on their number.
 
     A periodic side may be shorter than two cutoffs, or than one: then a particle meets all images of the others within
     the cutoff, and its own, each pair of images with half of its energy in the box.
@@ -204,6 +213,8 @@ def lennard_jones(
     if skin is None:
         # no more images than a box of two cutoffs or more has: one shell; shorter boxes have as many as they need
         skin = min([SKIN * float(sizes.max())] + [side - cutoff for side in sides if side >= 2 * cutoff])
+    if threads < 1:
+        raise ValueError(f"threads must be at least 1, got {threads}")
     lists = neighbours(number, sides, cutoff, float(_finite("skin", skin, positive=False)))
     one_mass = float(masses.flat[0]) if bool((masses == masses.flat[0]).all()) else None
     mixture = kinds > 1
@@ -223,7 +234,10 @@ def lennard_jones(
         masses=masses.copy() if one_mass is None else None,
         walls=walls,
         neighbours=lists,
+        forces=np.zeros(lists.tiles.size),
+        energies=np.zeros((len(lists.first), 2)),
         counters=np.zeros(3, dtype=np.int64),
+        threads=threads,
     )
     return _with_slots(force)
 
@@ -307,7 +321,7 @@ def _accelerate(force: LennardJones, r: np.ndarray, v: np.ndarray) -> np.ndarray
 def _energies(force: LennardJones, r: np.ndarray) -> tuple[float, float]:
     if not _lists_are_valid_for(force, r):
         return np.nan, np.nan
-    energy, work = tile_energy(force)
+    energy, work = tile_energy(force, r)
     return energy + _wall_energy(force.walls, force.neighbours.sides, force.lengths, r), work
 
 
@@ -332,6 +346,14 @@ def _kinetic_energy(force: LennardJones, v: np.ndarray) -> float:
 @implements(status, LennardJones)
 def _status(force: LennardJones) -> int:
     return force.neighbours.bookkeeping[STATUS]
+
+
+@implements(team, LennardJones)
+def _team(force: LennardJones) -> AbstractContextManager[None]:
+    shared = force.neighbours.shared
+    if len(shared.edges) == 2:  # one piece, which nobody can share
+        return nullcontext()
+    return helping(partial(serve, force), shared.flags, force.threads)
 
 
 @implements(renew, LennardJones)

@@ -152,11 +152,11 @@ def _piece(rows, sums, piece, pieces, n, z, softening):  # type: ignore[no-untyp
 @internal
 def _take_pieces(rows, sums, flags, n, z, softening):  # type: ignore[no-untyped-def]
     """Computes pieces until none is left."""
-    piece = next_piece(flags, len(sums))
+    piece = next_piece(flags)
     while piece >= 0:
         _piece(rows, sums, piece, len(sums), n, z, softening)
         piece_done(flags)
-        piece = next_piece(flags, len(sums))
+        piece = next_piece(flags)
 
 
 @compiled(cache=True)
@@ -173,7 +173,7 @@ def acceleration(r, mass, z, G, softening, work):  # type: ignore[no-untyped-def
         rows[3, i] = mass[i]
     for i in range(n, (n + WIDTH - 1) // WIDTH * WIDTH):
         rows[0, i] = _FILLER * (1 + i - n)
-    begin_round(flags)
+    begin_round(flags, len(sums))
     _take_pieces(rows, sums, flags, n, z, softening)
     wait_for_pieces(flags, len(sums))
     a = np.zeros(d * n)

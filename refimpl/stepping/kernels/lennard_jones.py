@@ -3,7 +3,7 @@
 The particles of a tile lie in the lanes of a vector; each slot of the tile's list (`neighbours`, beside this module) is
 broadcast to all lanes, and lanes beyond the cutoff are masked. Every pair is computed from both of its sides: that
 costs less than adding to the partner's force in memory. The members of a tile are not in its list; a loop of their own
-leaves out each particle's force on itself.
+leaves out each particle's force on itself. Threads share the tiles by pieces, and no bit depends on how many there are.
 
 With q = 1/r^2, A = 24 eps sigma^6 and B = 48 eps sigma^12: F/r = q^4 (B q^3 - A), one division and no square root a
 pair; r F = q^3 (B q^3 - A) and phi = q^3 (B q^3/12 - A/6). In a mixture A and B are computed pair by pair.
@@ -16,7 +16,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refimpl.compilation import compiled
-from refimpl.stepping.kernels.compiled import inline_internal
+from refimpl.stepping.kernels.compiled import at, inline_internal, internal, piece_of_work
+from refimpl.stepping.kernels.neighbours import (
+    COORDINATES,
+    DISTANCES,
+    FURTHER,
+    KIND,
+    RESULT,
+    share,
+    tiles_of,
+    work_on_lists,
+)
 from refimpl.stepping.kernels.simd import (
     WIDTH,
     lanes,
@@ -29,6 +39,19 @@ from refimpl.stepping.kernels.simd import (
     where,
     zeros,
 )
+from refimpl.team import (
+    address,
+    begin_round,
+    doubles_at,
+    join_team,
+    next_piece,
+    piece_done,
+    wait_for_pieces,
+    wait_for_round,
+)
+
+#: Kinds of work that threads share, beside those on lists.
+FORCES, ENERGIES = FURTHER, FURTHER + 1
 
 #: Squared distance that stands for that of a particle from itself: beyond every cutoff.
 SELF = 1e300
@@ -192,29 +215,97 @@ def tile_accelerations(force, r, a):  # type: ignore[no-untyped-def]
 
     force: `LennardJones`. Returns the number of distances computed.
     """
-    neighbours, mass, masses, walls, lengths = force.neighbours, force.mass, force.masses, force.walls, force.lengths
-    packed, tiles, first, entries = neighbours.packed, neighbours.tiles, neighbours.first, neighbours.entries
-    sides, order = neighbours.sides, neighbours.order
-    dimension, pairs = len(sides), _pairs(force)
-    forces = np.empty(3 * WIDTH)
+    shared = force.neighbours.shared
+    pieces = len(shared.edges) - 1
+    _share_out(force, FORCES, pieces + len(shared.shares), r, a)
     tests = 0
-    for tile in range(len(first) - 1):
-        tests += WIDTH * (WIDTH + first[tile + 1] - first[tile])
+    for piece in range(pieces):
+        tests += shared.found[piece, DISTANCES]
+    return tests
+
+
+@internal
+def _share_out(force, kind, pieces, r, a):  # type: ignore[no-untyped-def]
+    """The leader's part of a round, from its beginning until all is done; kind: FORCES or ENERGIES."""
+    flags, task = force.neighbours.shared.flags, force.neighbours.shared.task
+    task[KIND], task[COORDINATES], task[RESULT] = kind, address(r), address(a)
+    begin_round(flags, pieces)
+    piece = next_piece(flags)
+    while piece >= 0:
+        piece = _work(force, kind, piece, r, a)
+    wait_for_pieces(flags, pieces)
+    task[COORDINATES], task[RESULT] = 0, 0
+
+
+@piece_of_work
+def _work(force, kind, piece, r, a):  # type: ignore[no-untyped-def]
+    """Does a piece of a round of the kind FORCES or ENERGIES; returns the next one, or -1."""
+    pieces = len(force.neighbours.shared.edges) - 1
+    if kind == ENERGIES:
+        _energies_of_tiles(force, piece)
+    elif piece < pieces:
+        _forces_of_tiles(force, piece)
+    else:
+        wait_for_pieces(force.neighbours.shared.flags, pieces)
+        _accelerations_of_share(force, piece - pieces, r, a)
+    piece_done(force.neighbours.shared.flags)
+    return next_piece(force.neighbours.shared.flags)
+
+
+@compiled(cache=True, nogil=True)
+def serve(force):  # type: ignore[no-untyped-def]
+    """A helper's part of all rounds of a `LennardJones` force and its lists, until the team's work ends."""
+    shared, number = force.neighbours.shared, force.neighbours.offset.size
+    join_team(shared.flags)
+    last = 0
+    while True:
+        last = wait_for_round(shared.flags, last)
+        if last == 0:
+            return
+        piece = next_piece(shared.flags)
+        while piece >= 0:
+            kind, r = shared.task[KIND], doubles_at(shared.task[COORDINATES], number)
+            if kind < FURTHER:
+                piece = work_on_lists(force.neighbours, kind, piece, r)
+            else:
+                piece = _work(force, kind, piece, r, doubles_at(shared.task[RESULT], number))
+
+
+@piece_of_work
+def _forces_of_tiles(force, piece):  # type: ignore[no-untyped-def]
+    """Forces on the particles of the tiles of a piece, tile after tile as their coordinates are."""
+    neighbours, forces = force.neighbours, force.forces
+    packed, tiles, entries = neighbours.packed, neighbours.tiles, neighbours.entries
+    first, end, sides = neighbours.first, neighbours.end, neighbours.sides
+    dimension, pairs = len(sides), _pairs(force)
+    tests = 0
+    first_tile, end_tile = tiles_of(neighbours.shared, piece)
+    for tile in range(first_tile, end_tile):
+        tests += WIDTH * (WIDTH + end[tile] - first[tile])
         members = _tile(tiles, dimension, pairs, tile)
         f = zeros(), zeros(), zeros()
         for lane in range(WIDTH):
             f = _add_force(packed, sides, pairs, members, tile * WIDTH + lane, float(lane), f)
-        for entry in range(first[tile], first[tile + 1]):
-            f = _add_force(packed, sides, pairs, members, np.int64(entries[entry]), None, f)
-        store(forces, 0, f[0])
-        store(forces, WIDTH, f[1])
-        store(forces, 2 * WIDTH, f[2])
-        for lane in range(min(WIDTH, len(order) - tile * WIDTH)):
-            particle = order[tile * WIDTH + lane]
-            for k in range(dimension):
-                wall = _wall_force(walls, sides, lengths, k, r[particle * dimension + k])
-                a[particle * dimension + k] = _divide(forces[k * WIDTH + lane] + wall, mass, masses, particle)
-    return tests
+        for entry in range(first[tile], end[tile]):
+            f = _add_force(packed, sides, pairs, members, np.int64(entries[at(entry)]), None, f)
+        for k in range(dimension):
+            store(forces, (tile * dimension + k) * WIDTH, f[k])
+    neighbours.shared.found[piece, DISTANCES] = tests
+
+
+@piece_of_work
+def _accelerations_of_share(force, index, r, a):  # type: ignore[no-untyped-def]
+    """Accelerations of a share of the particles, from the forces of the tiles and those of the walls."""
+    neighbours, forces, mass, masses, walls = force.neighbours, force.forces, force.mass, force.masses, force.walls
+    sides, place_of, lengths = neighbours.sides, neighbours.place_of, force.lengths
+    dimension = len(sides)
+    begin, end = share(index, len(place_of), len(neighbours.shared.shares))
+    for particle in range(begin, end):
+        place = np.int64(place_of[at(particle)])
+        for k in range(dimension):
+            wall = _wall_force(walls, sides, lengths, k, r[at(particle * dimension + k)])
+            accelerated = _divide(forces[at(place + k * WIDTH)] + wall, mass, masses, particle)
+            a[at(particle * dimension + k)] = accelerated
 
 
 @inline_internal
@@ -255,25 +346,35 @@ def _add_energy(packed, sides, pairs, tile, j, itself, sums):  # type: ignore[no
 
 
 @compiled(cache=True)
-def tile_energy(force):  # type: ignore[no-untyped-def]
-    """Potential energy and virial of the pairs of a `LennardJones` force, from valid lists."""
-    neighbours = force.neighbours
-    packed, tiles, first, entries = neighbours.packed, neighbours.tiles, neighbours.first, neighbours.entries
-    sides = neighbours.sides
+def tile_energy(force, r):  # type: ignore[no-untyped-def]
+    """Potential energy and virial of the pairs of a `LennardJones` force, from lists that are valid for `r`, (N*d,)."""
+    _share_out(force, ENERGIES, len(force.neighbours.shared.edges) - 1, r, r)
+    energies = force.energies
+    energy = work = 0.0
+    for tile in range(len(energies)):
+        energy += energies[tile, 0]
+        work += energies[tile, 1]
+    # Each pair was found from both sides.
+    return 0.5 * energy, 0.5 * work
+
+
+@piece_of_work
+def _energies_of_tiles(force, piece):  # type: ignore[no-untyped-def]
+    """Energy and virial of the pairs of each tile of a piece."""
+    neighbours, energies = force.neighbours, force.energies
+    packed, tiles, entries = neighbours.packed, neighbours.tiles, neighbours.entries
+    first, end, sides = neighbours.first, neighbours.end, neighbours.sides
     dimension, pairs = len(sides), _pairs(force)
-    all_energy = 0.0
-    all_work = 0.0
-    for tile in range(len(first) - 1):
+    first_tile, end_tile = tiles_of(neighbours.shared, piece)
+    for tile in range(first_tile, end_tile):
         members = _tile(tiles, dimension, pairs, tile)
         sums = zeros(), zeros()
         for lane in range(WIDTH):
             sums = _add_energy(packed, sides, pairs, members, tile * WIDTH + lane, float(lane), sums)
-        for entry in range(first[tile], first[tile + 1]):
+        for entry in range(first[tile], end[tile]):
             sums = _add_energy(packed, sides, pairs, members, np.int64(entries[entry]), None, sums)
-        all_energy += total(sums[0])
-        all_work += total(sums[1])
-    # Each pair was found from both sides.
-    return 0.5 * all_energy, 0.5 * all_work
+        energies[tile, 0] = total(sums[0])
+        energies[tile, 1] = total(sums[1])
 
 
 @compiled(cache=True)

@@ -19,6 +19,10 @@ A particle is lost, and the lists say DIVERGED, where a coordinate is not finite
 by more than FAR list radii from one update to the next: no time step resolves that. How far from the origin it is does
 not matter: what is lost there is the precision of the coordinates that the lists are given, and no more.
 
+Threads share the work (`refimpl.team`), the force kernels' too. Tiles are dealt out in pieces, and the lists of a piece
+have a stretch of the entries for themselves; slots, images and particles are dealt out in shares. Pieces and shares
+depend on the number of particles alone, and so does every bit.
+
 Literature: L. Verlet, Phys. Rev. 159, 98 (1967); M. P. Allen and D. J. Tildesley, Computer Simulation of Liquids
 (1987), sections 5.3.1-5.3.2; Z. Yao, J.-S. Wang, G.-R. Liu and M. Cheng, Comput. Phys. Commun. 161, 27 (2004);
 S. Pall and B. Hess, Comput. Phys. Commun. 184, 2641 (2013); S. Pall et al., J. Chem. Phys. 153, 134110 (2020).
@@ -35,8 +39,9 @@ from numba.extending import register_jitable
 
 from refimpl.compilation import compiled
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
-from refimpl.stepping.kernels.compiled import inline_internal, internal
+from refimpl.stepping.kernels.compiled import at, inline_internal, internal, piece_of_work
 from refimpl.stepping.kernels.simd import WIDTH, any_lane, load, load_splat, splat
+from refimpl.team import FLAGS, address, begin_round, next_piece, piece_done, wait_for_pieces
 
 #: Indices of `Neighbours.bookkeeping`.
 STATUS = 0  # of the last `update`
@@ -45,8 +50,16 @@ BUILDS = 2  # number of builds of the wide lists so far
 PRUNES = 3  # number of times that the close lists were picked from them
 BLOCKS = 4  # image blocks in use, or needed when there were too few
 SLOTS = 5  # slots in use with the images, or needed when there were too few
-ENTRIES = 6  # wide list entries in use, or those needed by the first tile that did not fit
+ENTRIES = 6  # wide list entries in use, or those that there must be if no piece may lack any
 TESTS = 7  # distances computed so far to make lists, of a slot from the eight particles of a tile
+
+#: Indices of `Shared.task`: the kind of the round's work; where the coordinates are, and the result of a force.
+KIND, COORDINATES, RESULT = 0, 1, 2
+#: Kinds of work on lists; other kinds, from FURTHER on, are of the force kernels.
+PLACE, REFRESH, FILL, PRUNE, FURTHER = 0, 1, 2, 3, 4
+#: Columns of `Shared.found`: distances computed; entries found; entries that the piece's stretch of them lacks room for,
+#: or 0; and whether a particle has moved so far that the close lists may miss a pair.
+DISTANCES, FOUND, LACKED, MOVED = 0, 1, 2, 3
 
 #: Permitted displacements shrink by this factor, and list radii grow by it: rounding must not hide a pair.
 SAFE = 1 - 1e-9
@@ -66,41 +79,67 @@ CLOSE = 0.25
 MOST_ENTRIES = 2**28
 #: Cells along the last axis per column width: fine, as they need not hold a tile.
 FINE = 7
+#: A piece is this part of the tiles that are left, but so many tiles at least: long ones first, for few are quickly
+#: dealt out, and short ones last, so that no thread waits long for another.
+PART, LEAST_TILES = 16, 4
+#: Particles of a share, at least, and shares at most.
+LEAST_SHARE, MOST_SHARES = 512, 16
+
+
+class Shared(NamedTuple):
+    """How threads share the work on N particles.
+
+    flags: of the team. task: (3,), what the round is about, see KIND. edges: the tiles edges[p] ... edges[p + 1] - 1 are
+    piece p. shares: (S,), the numbers 0 ... S - 1 of the shares. found: a row a piece or share, a cache line each; see
+    DISTANCES and the names after it.
+    """
+
+    flags: np.ndarray
+    task: np.ndarray
+    edges: np.ndarray
+    shares: np.ndarray
+    found: np.ndarray
 
 
 class Neighbours(NamedTuple):
     """Verlet lists of N particles in d = 2 or 3 dimensions, and the arrays that they are made from.
 
     sides: box side of each periodic axis, 0 for an open axis. cutoff, skin: the wide lists reach cutoff + skin.
-    order: (N,) particle in each slot. offset: (N*d,) what wrapping into the box subtracted from the coordinates.
+    order: (N,) particle in each slot. place_of: (N,) where the first coordinate of each particle is in tiles. offset: (N*d,) what wrapping into the box subtracted from the coordinates.
     built, pruned: (N*d,) wrapped coordinates of the slots when the wide and the close lists were made.
     packed: coordinates of every slot, tile members first and images after, in records of 4 (3D) or 2 (2D).
     tiles: coordinates of the tiles, WIDTH x, then WIDTH y, then WIDTH z each.
-    first: tile t has the neighbours entries[first[t] : first[t + 1]], slots (the tile's own are left out);
-    wide_first and wide_entries likewise.
-    start, image_offset: slots of the cells and of their images. blocks: (first slot, number of slots) of each run of
-    consecutive slots that has an image, with its displacement in block_shift.
-    bookkeeping: counters and capacities, see STATUS and the names after it.
+    first, end: tile t has the neighbours entries[first[t] : end[t]], slots (the tile's own are left out);
+    wide_first, wide_end and wide_entries likewise.
+    grid: (3, 7), the cells, see `_Axis`. start, image_offset: slots of the cells and of their images. blocks: (first
+    slot, number of slots, first slot of the image) of each run of consecutive slots that has an image, with its
+    displacement in block_shift.
+    bookkeeping: counters and capacities, see STATUS and the names after it. shared: how threads share the work.
     """
 
     sides: tuple[float, ...]
     cutoff: float
     skin: float
     order: np.ndarray
+    place_of: np.ndarray
     offset: np.ndarray
     built: np.ndarray
     pruned: np.ndarray
     packed: np.ndarray
     tiles: np.ndarray
     first: np.ndarray
+    end: np.ndarray
     entries: np.ndarray
     wide_first: np.ndarray
+    wide_end: np.ndarray
     wide_entries: np.ndarray
+    grid: np.ndarray
     start: np.ndarray
     image_offset: np.ndarray
     blocks: np.ndarray
     block_shift: np.ndarray
     bookkeeping: np.ndarray
+    shared: Shared
 
 
 class _Axis(NamedTuple):
@@ -167,21 +206,41 @@ def neighbours(number: int, sides: Sequence[float], cutoff: float, skin: float) 
         sides=tuple(float(side) for side in sides),
         cutoff=float(cutoff),
         skin=float(skin),
-        order=np.zeros(number, dtype=np.int32),
+        order=np.zeros(number, dtype=np.uint32),
+        place_of=np.zeros(number, dtype=np.uint32),
         offset=np.zeros(number * dimension),
         built=np.zeros(number * dimension),
         pruned=np.zeros(number * dimension),
         packed=np.zeros((tiles * WIDTH + int(images)) * _record(dimension)),
         tiles=np.zeros(tiles * WIDTH * dimension),
-        first=np.zeros(tiles + 1, dtype=np.int64),
+        first=np.zeros(tiles, dtype=np.int64),
+        end=np.zeros(tiles, dtype=np.int64),
         entries=np.zeros(int(entries), dtype=np.uint32),
-        wide_first=np.zeros(tiles + 1, dtype=np.int64),
+        wide_first=np.zeros(tiles, dtype=np.int64),
+        wide_end=np.zeros(tiles, dtype=np.int64),
         wide_entries=np.zeros(int(entries), dtype=np.uint32),
+        grid=np.zeros((3, len(_Axis._fields))),
         start=np.zeros(number + 65, dtype=np.int64),
         image_offset=np.zeros(blocks, dtype=np.int64),
-        blocks=np.zeros(2 * blocks, dtype=np.int64),
+        blocks=np.zeros(3 * blocks, dtype=np.int64),
         block_shift=np.zeros(3 * blocks),
         bookkeeping=np.zeros(8, dtype=np.int64),
+        shared=_shared(number, tiles),
+    )
+
+
+def _shared(number: int, tiles: int) -> Shared:
+    edges = [0]
+    while edges[-1] < tiles:
+        left = tiles - edges[-1]
+        edges.append(edges[-1] + min(left, max(left // PART, LEAST_TILES)))
+    shares = min(max(number // LEAST_SHARE, 1), MOST_SHARES)
+    return Shared(
+        flags=np.zeros(FLAGS, dtype=np.int64),
+        task=np.zeros(3, dtype=np.int64),
+        edges=np.array(edges),
+        shares=np.arange(shares),
+        found=np.zeros((max(len(edges) - 1, shares), 8), dtype=np.int64),
     )
 
 
@@ -190,7 +249,7 @@ def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
     dimension = len(neighbours.sides)
     bookkeeping = neighbours.bookkeeping.copy()
     bookkeeping[VALID] = 0
-    blocks = max(len(neighbours.blocks) // 2, int(1.25 * bookkeeping[BLOCKS]) + 8)
+    blocks = max(len(neighbours.blocks) // 3, int(1.25 * bookkeeping[BLOCKS]) + 8)
     slots = max(len(neighbours.packed) // _record(dimension), int(1.25 * bookkeeping[SLOTS]) + 8)
     entries = len(neighbours.entries)
     if bookkeeping[ENTRIES] > entries:
@@ -200,7 +259,7 @@ def enlarge_neighbours(neighbours: Neighbours) -> Neighbours:
         entries=np.zeros(entries, dtype=np.uint32),
         wide_entries=np.zeros(entries, dtype=np.uint32),
         image_offset=np.zeros(blocks, dtype=np.int64),
-        blocks=np.zeros(2 * blocks, dtype=np.int64),
+        blocks=np.zeros(3 * blocks, dtype=np.int64),
         block_shift=np.zeros(3 * blocks),
         bookkeeping=bookkeeping,
     )
@@ -230,12 +289,10 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
     bookkeeping = neighbours.bookkeeping
     bookkeeping[STATUS] = GOOD
     if bookkeeping[VALID] == 1:
-        still_close = _refresh(neighbours, r)
-        _copy_images(neighbours)
-        if still_close:
+        if not _refreshed(neighbours, r):
             return GOOD
         if _moved_less(neighbours, 0.5 * (1 - CLOSE) * neighbours.skin):
-            _prune(neighbours)
+            _prune(neighbours, r)
             return GOOD
         bookkeeping[VALID] = 0
         if not _moved_less(neighbours, FAR * (neighbours.cutoff + neighbours.skin)):
@@ -244,30 +301,85 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
     bookkeeping[STATUS] = _build(neighbours, r)
     if bookkeeping[STATUS] == GOOD:
         bookkeeping[VALID] = 1
-        _prune(neighbours)
+        _prune(neighbours, r)
     return bookkeeping[STATUS]
 
 
+@inline_internal
+def share(index: int, number: int, shares: int) -> tuple[int, int]:
+    """The first of `number` things that are in share `index` of so many, and the end of it."""
+    return number * index // shares, number * (index + 1) // shares
+
+
+@inline_internal
+def tiles_of(shared: Shared, piece: int) -> tuple[int, int]:
+    """The first tile of a piece, and its end."""
+    return shared.edges[piece], shared.edges[piece + 1]
+
+
 @internal
-def _refresh(neighbours: Neighbours, r: np.ndarray) -> bool:
-    """Coordinates of the sorted particles; False if the close lists may miss a pair, or one is not a number."""
+def _share_out(neighbours: Neighbours, kind: int, pieces: int, r: np.ndarray) -> None:
+    """The leader's part of a round of work on lists, from its beginning until all is done; kind: PLACE ... PRUNE."""
+    flags, task = neighbours.shared.flags, neighbours.shared.task
+    task[KIND], task[COORDINATES] = kind, address(r)
+    begin_round(flags, pieces)
+    piece = next_piece(flags)
+    while piece >= 0:
+        piece = work_on_lists(neighbours, kind, piece, r)
+    wait_for_pieces(flags, pieces)
+    task[COORDINATES] = 0
+
+
+@piece_of_work
+def work_on_lists(neighbours: Neighbours, kind: int, piece: int, r: np.ndarray) -> int:
+    """Does a piece of a round of the kind PLACE ... PRUNE; returns the next one, or -1."""
+    if kind == FILL:
+        return _fill_pieces(neighbours, piece)
+    if kind == PRUNE:
+        _prune_piece(neighbours, piece)
+    elif piece >= len(neighbours.shared.shares):
+        wait_for_pieces(neighbours.shared.flags, len(neighbours.shared.shares))
+        _copy_images(neighbours, piece - len(neighbours.shared.shares))
+    elif kind == REFRESH:
+        _refresh(neighbours, piece, r)
+    else:
+        _place(neighbours, piece, r)
+    piece_done(neighbours.shared.flags)
+    return next_piece(neighbours.shared.flags)
+
+
+@internal
+def _refreshed(neighbours: Neighbours, r: np.ndarray) -> bool:
+    """Moves all slots to `r`; True if the close lists may now miss a pair, or a coordinate is not a number."""
+    shares = len(neighbours.shared.shares)
+    _share_out(neighbours, REFRESH, 2 * shares, r)
+    moved = 0
+    for index in range(shares):
+        moved += neighbours.shared.found[index, MOVED]
+    return moved > 0
+
+
+@piece_of_work
+def _refresh(neighbours: Neighbours, index: int, r: np.ndarray) -> None:
+    """Coordinates of a share of the sorted particles, and whether one has moved too far for the close lists."""
     order, offset, pruned = neighbours.order, neighbours.offset, neighbours.pruned
     packed, tiles = neighbours.packed, neighbours.tiles
     dimension = len(neighbours.sides)
     record = _record(dimension)
     limit2 = (0.5 * CLOSE * SAFE * neighbours.skin) ** 2
     still = True
-    for slot in range(len(order)):
-        particle = order[slot]
+    begin, end = share(index, len(order), len(neighbours.shared.shares))
+    for slot in range(begin, end):
+        particle = np.int64(order[at(slot)])
         tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
         displacement2 = 0.0
         for k in range(dimension):
-            x = r[particle * dimension + k] - offset[slot * dimension + k]
-            displacement2 += (x - pruned[slot * dimension + k]) ** 2
-            packed[slot * record + k] = x
-            tiles[tile + k * WIDTH] = x
+            x = r[at(particle * dimension + k)] - offset[at(slot * dimension + k)]
+            displacement2 += (x - pruned[at(slot * dimension + k)]) ** 2
+            packed[at(slot * record + k)] = x
+            tiles[at(tile + k * WIDTH)] = x
         still &= displacement2 <= limit2
-    return still
+    neighbours.shared.found[index, MOVED] = not still
 
 
 @internal
@@ -308,45 +420,57 @@ def _list_radius(neighbours: Neighbours, radius: float) -> float:
 
 
 @internal
-def _prune(neighbours: Neighbours) -> None:
+def _prune(neighbours: Neighbours, r: np.ndarray) -> None:
     """Close lists: the entries of the wide ones that are within cutoff + CLOSE * skin of a member of the tile."""
+    pieces = len(neighbours.shared.edges) - 1
+    _share_out(neighbours, PRUNE, pieces, r)
+    neighbours.bookkeeping[PRUNES] += 1
+    for piece in range(pieces):
+        neighbours.bookkeeping[TESTS] += neighbours.shared.found[piece, DISTANCES]
+
+
+@piece_of_work
+def _prune_piece(neighbours: Neighbours, piece: int) -> None:
     packed, tiles, pruned = neighbours.packed, neighbours.tiles, neighbours.pruned
-    first, entries = neighbours.first, neighbours.entries
-    wide_first, wide_entries = neighbours.wide_first, neighbours.wide_entries
+    first, end, entries = neighbours.first, neighbours.end, neighbours.entries
+    wide_first, wide_end, wide_entries = neighbours.wide_first, neighbours.wide_end, neighbours.wide_entries
     dimension = len(neighbours.sides)
     record = _record(dimension)
     reach2 = splat(_list_radius(neighbours, neighbours.cutoff + CLOSE * neighbours.skin) ** 2)
-    for slot in range(len(neighbours.order)):
+    first_tile, end_tile = tiles_of(neighbours.shared, piece)
+    for slot in range(first_tile * WIDTH, min(end_tile * WIDTH, len(neighbours.order))):
         for k in range(dimension):
-            pruned[slot * dimension + k] = packed[slot * record + k]
-    found = 0
-    for tile in range(len(first) - 1):
+            pruned[at(slot * dimension + k)] = packed[at(slot * record + k)]
+    found = wide_first[first_tile]
+    tests = 0
+    for tile in range(first_tile, end_tile):
         first[tile] = found
         base = tile * WIDTH * dimension
         xi = load(tiles, base)
         yi = load(tiles, base + WIDTH)
         zi = load(tiles, base + (dimension - 1) * WIDTH)
-        for entry in range(wide_first[tile], wide_first[tile + 1]):
-            j = wide_entries[entry]
-            entries[found] = j
+        tests += wide_end[tile] - wide_first[tile]
+        for entry in range(wide_first[tile], wide_end[tile]):
+            j = wide_entries[at(entry)]
+            entries[at(found)] = j
             found += any_lane(_distance2(packed, neighbours.sides, np.int64(j), xi, yi, zi) < reach2)
-    first[len(first) - 1] = found
-    neighbours.bookkeeping[PRUNES] += 1
-    neighbours.bookkeeping[TESTS] += wide_first[len(first) - 1]
+        end[tile] = found
+    neighbours.shared.found[piece, DISTANCES] = tests
 
 
-@internal
-def _copy_images(neighbours: Neighbours) -> None:
+@piece_of_work
+def _copy_images(neighbours: Neighbours, index: int) -> None:
+    """Coordinates of a share of the images."""
     packed, blocks, block_shift = neighbours.packed, neighbours.blocks, neighbours.block_shift
     dimension = len(neighbours.sides)
     record = _record(dimension)
-    image = len(neighbours.first) * WIDTH - WIDTH
-    for block in range(neighbours.bookkeeping[BLOCKS]):
-        source, count = blocks[2 * block], blocks[2 * block + 1]
+    begin, end = share(index, neighbours.bookkeeping[BLOCKS], len(neighbours.shared.shares))
+    for block in range(begin, end):
+        source, count, image = blocks[3 * block], blocks[3 * block + 1], blocks[3 * block + 2]
         for i in range(count):
             for k in range(dimension):
-                packed[(image + i) * record + k] = packed[(source + i) * record + k] + block_shift[3 * block + k]
-        image += count
+                x = packed[at((source + i) * record + k)] + block_shift[3 * block + k]
+                packed[at((image + i) * record + k)] = x
 
 
 @compiled(cache=True)
@@ -354,12 +478,11 @@ def copy_to_slots(neighbours: Neighbours, values: np.ndarray, slots: np.ndarray)
     """Copies the `values` of the particles, shape (N,), to their slots and images; other `slots` keep theirs."""
     for slot in range(len(neighbours.order)):
         slots[slot] = values[neighbours.order[slot]]
-    image = len(neighbours.first) * WIDTH - WIDTH
+    blocks = neighbours.blocks
     for block in range(neighbours.bookkeeping[BLOCKS]):
-        source, count = neighbours.blocks[2 * block], neighbours.blocks[2 * block + 1]
+        source, count, image = blocks[3 * block], blocks[3 * block + 1], blocks[3 * block + 2]
         for i in range(count):
             slots[image + i] = slots[source + i]
-        image += count
 
 
 @internal
@@ -371,11 +494,12 @@ def _build(neighbours: Neighbours, r: np.ndarray) -> int:
             return DIVERGED
         largest = max(largest, abs(x))
     grid = _choose_grid(neighbours.sides, reach, r, len(neighbours.start) - 1, ROUNDING * largest)
+    _keep_grid(neighbours, grid)
     _sort(neighbours, grid, r)
     if not _make_images(neighbours, grid):
         return NEEDS_CAPACITY
-    _copy_images(neighbours)
-    if not _fill_lists(neighbours, grid):
+    _share_out(neighbours, PLACE, 2 * len(neighbours.shared.shares), r)
+    if not _fill_lists(neighbours, r):
         return NEEDS_CAPACITY
     neighbours.bookkeeping[BUILDS] += 1
     return GOOD
@@ -410,6 +534,20 @@ def _choose_grid(sides: tuple[float, ...], reach: float, r: np.ndarray, limit: i
         _axis(cells_b, low_b, extent_b, sides[1] if dimension == 3 else 0.0, reach, rounding),
         _axis(cells_c, low_c, extent_c, sides[dimension - 1], reach, rounding),
     )
+
+
+@internal
+def _keep_grid(neighbours: Neighbours, grid: _Grid) -> None:
+    """Writes the grid to where helpers find it."""
+    for k, axis in enumerate(grid):
+        neighbours.grid[k, 0], neighbours.grid[k, 1] = axis.cells, axis.low
+        neighbours.grid[k, 2], neighbours.grid[k, 3] = axis.width, axis.inverse
+        neighbours.grid[k, 4], neighbours.grid[k, 5], neighbours.grid[k, 6] = axis.around, axis.shells, axis.rounding
+
+
+@inline_internal
+def _kept_axis(row: np.ndarray) -> _Axis:
+    return _Axis(int(row[0]), row[1], row[2], row[3], int(row[4]), int(row[5]), row[6])
 
 
 @internal
@@ -477,11 +615,9 @@ def _cell(axis: _Axis, x: float, side: float) -> int:
 
 @internal
 def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
-    """Counting sort of the particles by cell along the snaking path."""
-    sides, order, offset, built = neighbours.sides, neighbours.order, neighbours.offset, neighbours.built
-    packed, tiles, start = neighbours.packed, neighbours.tiles, neighbours.start
+    """Counting sort of the particles by cell along the snaking path: which one is in which slot."""
+    sides, order, place_of, start = neighbours.sides, neighbours.order, neighbours.place_of, neighbours.start
     dimension = len(sides)
-    record = _record(dimension)
     number = len(order)
     cells = grid.a.cells * grid.b.cells * grid.c.cells
     cell_of = np.empty(number, dtype=np.int32)
@@ -500,19 +636,33 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
         slot = start[cell_of[i]]
         start[cell_of[i]] += 1
         order[slot] = i
+        place_of[i] = slot // WIDTH * WIDTH * dimension + slot % WIDTH
     # Every start has moved on to its cell's end, which is the next cell's start.
     for cell in range(cells, 0, -1):
         start[cell] = start[cell - 1]
     start[0] = 0
-    for slot in range(number):
+
+
+@piece_of_work
+def _place(neighbours: Neighbours, index: int, r: np.ndarray) -> None:
+    """Coordinates of a share of the slots, anew; those that fill up the last tile are of the last one."""
+    sides, order, offset, built = neighbours.sides, neighbours.order, neighbours.offset, neighbours.built
+    packed, tiles = neighbours.packed, neighbours.tiles
+    dimension = len(sides)
+    record = _record(dimension)
+    number, shares = len(order), len(neighbours.shared.shares)
+    begin, end = share(index, number, shares)
+    for slot in range(begin, end):
         tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
         for k in range(dimension):
-            x = r[order[slot] * dimension + k]
-            offset[slot * dimension + k] = _offset(x, sides[k])
-            wrapped = x - offset[slot * dimension + k]
-            built[slot * dimension + k] = wrapped
-            packed[slot * record + k] = wrapped
-            tiles[tile + k * WIDTH] = wrapped
+            x = r[at(np.int64(order[at(slot)]) * dimension + k)]
+            away = _offset(x, sides[k])
+            offset[at(slot * dimension + k)] = away
+            built[at(slot * dimension + k)] = x - away
+            packed[at(slot * record + k)] = x - away
+            tiles[at(tile + k * WIDTH)] = x - away
+    if index < shares - 1:
+        return
     for slot in range(number, len(tiles) // dimension):
         tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
         for k in range(dimension):
@@ -533,11 +683,11 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
     sides, start, bookkeeping = neighbours.sides, neighbours.start, neighbours.bookkeeping
     image_offset, blocks, block_shift = neighbours.image_offset, neighbours.blocks, neighbours.block_shift
     dimension = len(sides)
-    end = len(neighbours.first) * WIDTH - WIDTH
+    end = len(neighbours.first) * WIDTH
     block = 0
     columns = (grid.a.cells + 2 * grid.a.around) * (grid.b.cells + 2 * grid.b.around)
     most = (2 * grid.c.shells + 1) * columns
-    if most > len(image_offset) or 2 * most > len(blocks):
+    if most > len(image_offset) or 3 * most > len(blocks):
         bookkeeping[BLOCKS] = most
         return False
     position = 0
@@ -552,8 +702,9 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
                 if low <= high and not (shift_a == 0 and shift_b == 0 and shift_c == 0):
                     source, source_end = _slots(grid, start, column, low, high)
                     image_offset[position] = end - source
-                    blocks[2 * block] = source
-                    blocks[2 * block + 1] = source_end - source
+                    blocks[3 * block] = source
+                    blocks[3 * block + 1] = source_end - source
+                    blocks[3 * block + 2] = end
                     block_shift[3 * block] = shift_a * sides[0]
                     block_shift[3 * block + 1] = shift_b * sides[1]
                     block_shift[3 * block + dimension - 1] = shift_c * sides[dimension - 1]
@@ -566,43 +717,76 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
 
 
 @internal
-def _fill_lists(neighbours: Neighbours, grid: _Grid) -> bool:
+def _fill_lists(neighbours: Neighbours, r: np.ndarray) -> bool:
     """Wide lists: the slots within cutoff + skin of a member of each tile; False if the array is too small."""
-    packed, tiles, start = neighbours.packed, neighbours.tiles, neighbours.start
-    first, entries, image_offset = neighbours.wide_first, neighbours.wide_entries, neighbours.image_offset
+    bookkeeping, edges, results = neighbours.bookkeeping, neighbours.shared.edges, neighbours.shared.found
+    tiles, pieces = len(neighbours.first), len(edges) - 1
+    _share_out(neighbours, FILL, pieces, r)
+    needed = found = 0
+    for piece in range(pieces):
+        bookkeeping[TESTS] += results[piece, DISTANCES]
+        found += results[piece, FOUND]
+        if results[piece, LACKED] > 0:
+            # every tile has the same number of them
+            needed = max(needed, results[piece, LACKED] * tiles // (edges[piece + 1] - edges[piece]) + tiles)
+    bookkeeping[ENTRIES] = max(needed, found)
+    return needed == 0
+
+
+@internal
+def _fill_pieces(neighbours: Neighbours, piece: int) -> int:
+    """Does pieces of FILL as long as there are any; returns one of another kind of work, or -1."""
+    shared = neighbours.shared
+    runs = np.empty(2 * len(neighbours.image_offset), dtype=np.int64)
+    while True:
+        _fill_piece(neighbours, piece, runs)
+        piece_done(shared.flags)
+        piece = next_piece(shared.flags)
+        # a helper that is late may get one of a later round
+        if piece < 0 or shared.task[KIND] != FILL:
+            return piece
+
+
+@piece_of_work
+def _fill_piece(neighbours: Neighbours, piece: int, runs: np.ndarray) -> None:
+    packed, tiles, start, grid = neighbours.packed, neighbours.tiles, neighbours.start, neighbours.grid
+    first, tile_end, entries = neighbours.wide_first, neighbours.wide_end, neighbours.wide_entries
+    image_offset, result = neighbours.image_offset, neighbours.shared.found[piece]
+    axes = _Grid(_kept_axis(grid[0]), _kept_axis(grid[1]), _kept_axis(grid[2]))
     dimension = len(neighbours.sides)
     number = len(neighbours.order)
     reach = _list_radius(neighbours, neighbours.cutoff + neighbours.skin)
     reach2 = reach * reach
-    runs = np.empty(2 * len(image_offset), dtype=np.int64)
-    found = 0
+    first_tile, end_tile = tiles_of(neighbours.shared, piece)
+    room = len(entries) // len(first)
+    found = first_tile * room
     tests = 0
-    for tile in range(len(first) - 1):
+    result[LACKED] = 0
+    for tile in range(first_tile, end_tile):
         first[tile] = found
         base = tile * WIDTH * dimension
         members = min(WIDTH, number - tile * WIDTH)
-        count = _runs(grid, tiles, start, image_offset, base, members, dimension, reach, runs)
+        count = _runs(axes, tiles, start, image_offset, base, members, dimension, reach, runs)
         xi = load(tiles, base)
         yi = load(tiles, base + WIDTH)
         zi = load(tiles, base + (dimension - 1) * WIDTH)
         for run in range(0, count, 2):
             slot, end = runs[run], runs[run + 1]
-            if found + end - slot > len(entries):
-                neighbours.bookkeeping[ENTRIES] = found + end - slot
-                return False
+            if found + end - slot > end_tile * room:
+                result[LACKED] = found + end - slot - first_tile * room
+                return
             tests += end - slot
             # the slots of the tile itself, which one run holds, are left out: what comes before them, and what after
             own = max(slot, min(end, tile * WIDTH))
             for j in range(slot, own):
-                entries[found] = j
+                entries[at(found)] = j
                 found += any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
             for j in range(max(own, min(end, tile * WIDTH + WIDTH)), end):
-                entries[found] = j
+                entries[at(found)] = j
                 found += any_lane(_distance2(packed, neighbours.sides, j, xi, yi, zi) < splat(reach2))
-    first[len(first) - 1] = found
-    neighbours.bookkeeping[ENTRIES] = found
-    neighbours.bookkeeping[TESTS] += tests
-    return True
+        tile_end[tile] = found
+    result[DISTANCES] = tests
+    result[FOUND] = found - first_tile * room
 
 
 @inline_internal
