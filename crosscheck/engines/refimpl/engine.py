@@ -47,7 +47,7 @@ _FLUIDS = """
     box.wall box.wall.epsilon box.wall.sigma lennard_jones.epsilon lennard_jones.epsilon[]
     lennard_jones.length lennard_jones.length[] lennard_jones.length_form=sigma
     lennard_jones.length_form=r_m lennard_jones.truncation=truncated lennard_jones.truncation=shifted
-    lennard_jones.truncation=force_shifted
+    lennard_jones.truncation=force_shifted method.threads
 """
 #: Words of hard spheres that event-driven schemes and schemes with soft contacts understand.
 _SPHERES = """

@@ -172,4 +172,5 @@ def force_record(scene: Scene, state: State, threads: int = 1) -> Any:
         truncation=lj.truncation,
         mass=float(state.masses[0]) if one_mass else state.masses,
         walls=None if wall is None else Walls(wall.epsilon, wall.sigma, wall.cutoff),
+        threads=threads,
     )

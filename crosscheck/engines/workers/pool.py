@@ -294,10 +294,16 @@ class Worker:
         os.close(self._answers)
 
 
+#: Memory that a step frees is kept for the next one (GNU C library): given back and asked for again, page by page, the
+#: arrays of 32000 Lennard-Jones particles cost 17 of 92 ns a particle step.
+_KEPT_MEMORY = dict.fromkeys(("MALLOC_TRIM_THRESHOLD_", "MALLOC_MMAP_THRESHOLD_"), str(1 << 30))
+
+
 def _environment(overlay: Path | None, interpreted: bool, threads: int) -> dict[str, str]:
     """Environment of a worker: number of threads; an overlay first on the path, with its kernels beside it, if any."""
     environment = dict(os.environ)
     environment.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), str(threads)))
+    environment = {**_KEPT_MEMORY, **environment}
     if interpreted:  # with no cache there is nothing that workers wait for each other with
         environment["NUMBA_DISABLE_JIT"] = "1"
         environment.pop("NUMBA_CACHE_DIR", None)

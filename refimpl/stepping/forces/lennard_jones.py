@@ -90,8 +90,8 @@ class LennardJones(NamedTuple):
     species: (N,) indices into species_epsilon, species_sigma. slot_size, slot_strength: sigma/2 and sqrt(epsilon) of
     the particle in each slot of the lists, in a mixture. shift_energy, shift_force: True where the truncation asks for
     it. mass: common, not 1; masses: (N,). walls: on the faces 0 and lengths[k] of the axes k that are not periodic.
-    neighbours: the lists. forces: on the particles of the tiles, as `neighbours.tiles`; energies: (tiles, 2), of the pairs
-    of each tile, and r F. counters: (3,), see LIST_BUILDS and the names after it. threads: that share the work.
+    neighbours: the lists. forces: on the particles of the tiles, as `neighbours.tiles`; energies: (tiles, 2), of the
+    pairs of each tile, and r F. counters: (3,), see LIST_BUILDS and the names after it. threads: that share the work.
     """
 
     lengths: tuple[float, ...]

@@ -34,9 +34,14 @@ def at(i: int) -> Any:
 
 
 def piece_of_work(function: _F) -> _F:
-    """As `inline_internal`, for what threads call again and again: it counts no references to arrays.
+    """As `internal`, for what threads call again and again: it counts no references to arrays.
 
     Two atomic additions for each array that it gets would be half a microsecond, and threads would contend for them. So
     it may neither make arrays nor return one, and nothing that is inlined in it may.
     """
+    return cast(_F, njit(_nrt=False, **INTERNAL)(function))
+
+
+def inline_piece_of_work(function: _F) -> _F:
+    """As `piece_of_work`, and always inlined."""
     return cast(_F, njit(forceinline=True, _nrt=False, **INTERNAL)(function))

@@ -16,14 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from refimpl.compilation import compiled
-from refimpl.stepping.kernels.compiled import at, inline_internal, internal, piece_of_work
+from refimpl.stepping.kernels.compiled import at, inline_internal, inline_piece_of_work, internal
 from refimpl.stepping.kernels.neighbours import (
     COORDINATES,
     DISTANCES,
     FURTHER,
     KIND,
     RESULT,
-    share,
+    share_of,
     tiles_of,
     work_on_lists,
 )
@@ -237,7 +237,7 @@ def _share_out(force, kind, pieces, r, a):  # type: ignore[no-untyped-def]
     task[COORDINATES], task[RESULT] = 0, 0
 
 
-@piece_of_work
+@inline_piece_of_work
 def _work(force, kind, piece, r, a):  # type: ignore[no-untyped-def]
     """Does a piece of a round of the kind FORCES or ENERGIES; returns the next one, or -1."""
     pieces = len(force.neighbours.shared.edges) - 1
@@ -271,7 +271,7 @@ def serve(force):  # type: ignore[no-untyped-def]
                 piece = _work(force, kind, piece, r, doubles_at(shared.task[RESULT], number))
 
 
-@piece_of_work
+@inline_piece_of_work
 def _forces_of_tiles(force, piece):  # type: ignore[no-untyped-def]
     """Forces on the particles of the tiles of a piece, tile after tile as their coordinates are."""
     neighbours, forces = force.neighbours, force.forces
@@ -293,13 +293,13 @@ def _forces_of_tiles(force, piece):  # type: ignore[no-untyped-def]
     neighbours.shared.found[piece, DISTANCES] = tests
 
 
-@piece_of_work
+@inline_piece_of_work
 def _accelerations_of_share(force, index, r, a):  # type: ignore[no-untyped-def]
     """Accelerations of a share of the particles, from the forces of the tiles and those of the walls."""
     neighbours, forces, mass, masses, walls = force.neighbours, force.forces, force.mass, force.masses, force.walls
     sides, place_of, lengths = neighbours.sides, neighbours.place_of, force.lengths
     dimension = len(sides)
-    begin, end = share(index, len(place_of), len(neighbours.shared.shares))
+    begin, end = share_of(index, len(place_of), len(neighbours.shared.shares))
     for particle in range(begin, end):
         place = np.int64(place_of[at(particle)])
         for k in range(dimension):
@@ -358,7 +358,7 @@ def tile_energy(force, r):  # type: ignore[no-untyped-def]
     return 0.5 * energy, 0.5 * work
 
 
-@piece_of_work
+@inline_piece_of_work
 def _energies_of_tiles(force, piece):  # type: ignore[no-untyped-def]
     """Energy and virial of the pairs of each tile of a piece."""
     neighbours, energies = force.neighbours, force.energies

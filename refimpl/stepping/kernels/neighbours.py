@@ -55,10 +55,11 @@ TESTS = 7  # distances computed so far to make lists, of a slot from the eight p
 
 #: Indices of `Shared.task`: the kind of the round's work; where the coordinates are, and the result of a force.
 KIND, COORDINATES, RESULT = 0, 1, 2
-#: Kinds of work on lists; other kinds, from FURTHER on, are of the force kernels.
-PLACE, REFRESH, FILL, PRUNE, FURTHER = 0, 1, 2, 3, 4
-#: Columns of `Shared.found`: distances computed; entries found; entries that the piece's stretch of them lacks room for,
-#: or 0; and whether a particle has moved so far that the close lists may miss a pair.
+#: Kinds of work on lists; other kinds, from FURTHER on, are of the force kernels. Not Python's integers, for each of
+#: which numba would compile the functions that get it anew.
+PLACE, REFRESH, FILL, PRUNE, FURTHER = np.arange(5)
+#: Columns of `Shared.found`: distances computed; entries found; entries that there must be in all for the piece to have
+#: room, or 0; and whether a particle has moved so far that the close lists may miss a pair.
 DISTANCES, FOUND, LACKED, MOVED = 0, 1, 2, 3
 
 #: Permitted displacements shrink by this factor, and list radii grow by it: rounding must not hide a pair.
@@ -89,9 +90,9 @@ LEAST_SHARE, MOST_SHARES = 512, 16
 class Shared(NamedTuple):
     """How threads share the work on N particles.
 
-    flags: of the team. task: (3,), what the round is about, see KIND. edges: the tiles edges[p] ... edges[p + 1] - 1 are
-    piece p. shares: (S,), the numbers 0 ... S - 1 of the shares. found: a row a piece or share, a cache line each; see
-    DISTANCES and the names after it.
+    flags: of the team. task: (3,), what the round is about, see KIND. edges: the tiles edges[p] ... edges[p + 1] - 1
+    are piece p. shares: (S,), the numbers 0 ... S - 1 of the shares. found: a row a piece or share, a cache line each;
+    see DISTANCES and the names after it.
     """
 
     flags: np.ndarray
@@ -105,7 +106,8 @@ class Neighbours(NamedTuple):
     """Verlet lists of N particles in d = 2 or 3 dimensions, and the arrays that they are made from.
 
     sides: box side of each periodic axis, 0 for an open axis. cutoff, skin: the wide lists reach cutoff + skin.
-    order: (N,) particle in each slot. place_of: (N,) where the first coordinate of each particle is in tiles. offset: (N*d,) what wrapping into the box subtracted from the coordinates.
+    order: (N,) particle in each slot. place_of: (N,) where the first coordinate of each particle is in tiles.
+    offset: (N*d,) what wrapping into the box subtracted from the coordinates.
     built, pruned: (N*d,) wrapped coordinates of the slots when the wide and the close lists were made.
     packed: coordinates of every slot, tile members first and images after, in records of 4 (3D) or 2 (2D).
     tiles: coordinates of the tiles, WIDTH x, then WIDTH y, then WIDTH z each.
@@ -306,7 +308,7 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
 
 
 @inline_internal
-def share(index: int, number: int, shares: int) -> tuple[int, int]:
+def share_of(index: int, number: int, shares: int) -> tuple[int, int]:
     """The first of `number` things that are in share `index` of so many, and the end of it."""
     return number * index // shares, number * (index + 1) // shares
 
@@ -368,7 +370,7 @@ def _refresh(neighbours: Neighbours, index: int, r: np.ndarray) -> None:
     record = _record(dimension)
     limit2 = (0.5 * CLOSE * SAFE * neighbours.skin) ** 2
     still = True
-    begin, end = share(index, len(order), len(neighbours.shared.shares))
+    begin, end = share_of(index, len(order), len(neighbours.shared.shares))
     for slot in range(begin, end):
         particle = np.int64(order[at(slot)])
         tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
@@ -464,7 +466,7 @@ def _copy_images(neighbours: Neighbours, index: int) -> None:
     packed, blocks, block_shift = neighbours.packed, neighbours.blocks, neighbours.block_shift
     dimension = len(neighbours.sides)
     record = _record(dimension)
-    begin, end = share(index, neighbours.bookkeeping[BLOCKS], len(neighbours.shared.shares))
+    begin, end = share_of(index, neighbours.bookkeeping[BLOCKS], len(neighbours.shared.shares))
     for block in range(begin, end):
         source, count, image = blocks[3 * block], blocks[3 * block + 1], blocks[3 * block + 2]
         for i in range(count):
@@ -651,7 +653,7 @@ def _place(neighbours: Neighbours, index: int, r: np.ndarray) -> None:
     dimension = len(sides)
     record = _record(dimension)
     number, shares = len(order), len(neighbours.shared.shares)
-    begin, end = share(index, number, shares)
+    begin, end = share_of(index, number, shares)
     for slot in range(begin, end):
         tile = slot // WIDTH * WIDTH * dimension + slot % WIDTH
         for k in range(dimension):
@@ -719,16 +721,13 @@ def _make_images(neighbours: Neighbours, grid: _Grid) -> bool:
 @internal
 def _fill_lists(neighbours: Neighbours, r: np.ndarray) -> bool:
     """Wide lists: the slots within cutoff + skin of a member of each tile; False if the array is too small."""
-    bookkeeping, edges, results = neighbours.bookkeeping, neighbours.shared.edges, neighbours.shared.found
-    tiles, pieces = len(neighbours.first), len(edges) - 1
+    bookkeeping, results, pieces = neighbours.bookkeeping, neighbours.shared.found, len(neighbours.shared.edges) - 1
     _share_out(neighbours, FILL, pieces, r)
     needed = found = 0
     for piece in range(pieces):
         bookkeeping[TESTS] += results[piece, DISTANCES]
         found += results[piece, FOUND]
-        if results[piece, LACKED] > 0:
-            # every tile has the same number of them
-            needed = max(needed, results[piece, LACKED] * tiles // (edges[piece + 1] - edges[piece]) + tiles)
+        needed = max(needed, results[piece, LACKED])
     bookkeeping[ENTRIES] = max(needed, found)
     return needed == 0
 
@@ -773,7 +772,9 @@ def _fill_piece(neighbours: Neighbours, piece: int, runs: np.ndarray) -> None:
         for run in range(0, count, 2):
             slot, end = runs[run], runs[run + 1]
             if found + end - slot > end_tile * room:
-                result[LACKED] = found + end - slot - first_tile * room
+                needed = found + end - slot - first_tile * room
+                # in all, for every tile has the same room
+                result[LACKED] = needed * len(first) // (end_tile - first_tile) + len(first)
                 return
             tests += end - slot
             # the slots of the tile itself, which one run holds, are left out: what comes before them, and what after

@@ -493,3 +493,58 @@ GOOD_ARGUMENTS = {
 def test_bad_arguments_are_named(change, message):
     with pytest.raises(ValueError, match=message):
         lennard_jones(**{**GOOD_ARGUMENTS, **change})
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("mixed", [False, True])
+def test_threads_change_no_bit(dimension, mixed):
+    """Of coordinates, velocities and energies; nor what is counted. A mixture has walls here, and unlike masses."""
+    rng = np.random.default_rng(8)
+    r = jittered_lattice(rng, 700, dimension, 1.15).ravel()
+    v = rng.normal(size=r.size)
+    sides = (r.reshape(-1, dimension).max(axis=0) - r.reshape(-1, dimension).min(axis=0) + 2.0).tolist()
+    options = (
+        {"mass": 1.0}
+        if not mixed
+        else {
+            "epsilon": (1.0, 0.5),
+            "sigma": (1.0, 0.9),
+            "species": rng.integers(0, 2, 700),
+            "truncation": "shifted",
+            "mass": rng.uniform(0.5, 2.0, 700),
+            "walls": Walls(1.0, 0.4, 1.0),
+        }
+    )
+    runs = [
+        integrate(
+            "velocity_verlet",
+            lennard_jones(
+                number=700,
+                dimension=dimension,
+                lengths=sides,
+                cutoff=2.5,
+                threads=threads,
+                periodic=[not mixed, *[True] * (dimension - 1)],
+                **options,
+            ),
+            r + 0.5,
+            v,
+            0.002,
+            60,
+            every=20,
+            thermo=True,
+        )
+        for threads in (1, 2, 4)
+    ]
+    assert not runs[0].diverged
+    assert runs[0].operations["list_builds"] > 1
+    for run in runs[1:]:
+        assert np.array_equal(run.r, runs[0].r)
+        assert np.array_equal(run.v, runs[0].v)
+        assert np.array_equal(run.thermo, runs[0].thermo)
+        assert run.operations == runs[0].operations
+
+
+def test_threads_must_be_one_or_more():
+    with pytest.raises(ValueError, match="threads must be at least 1, got 0"):
+        lennard_jones(number=3, dimension=2, lengths=None, periodic=[False, False], cutoff=2.0, threads=0)

@@ -20,6 +20,7 @@ from refimpl.stepping.kernels.neighbours import (
     copy_to_slots,
     enlarge_neighbours,
     neighbours,
+    share_of,
     update,
 )
 from refimpl.stepping.kernels.simd import WIDTH
@@ -82,6 +83,13 @@ def assert_complete(lists: Neighbours, r: np.ndarray) -> None:
     np.testing.assert_allclose([pair[2] for pair in listed], [pair[2] for pair in expected], rtol=1e-12, atol=rounding)
 
 
+def wide(lists: Neighbours) -> Neighbours:
+    """The wide lists, as if they were the close ones."""
+    return lists._replace(
+        first=lists.wide_first, end=lists.wide_end, entries=lists.wide_entries, cutoff=lists.cutoff + lists.skin
+    )
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
@@ -103,8 +111,7 @@ def test_no_pair_is_missed(seed, number, periodic, stretch, skin, offset, cluste
     spans = np.array(stretch[:dimension]) * (0.2 if clustered else 1.5)
     r = (rng.uniform(-offset, offset, dimension) + rng.uniform(0, spans, (number, dimension))).ravel()
     lists = updated(neighbours(number, sides, 1.0, skin), r)
-    wide = lists._replace(first=lists.wide_first, end=lists.wide_end, entries=lists.wide_entries, cutoff=lists.cutoff + skin)
-    assert_complete(wide, r)
+    assert_complete(wide(lists), r)
     assert_complete(lists._replace(cutoff=lists.cutoff + CLOSE * skin), r)
     for _ in range(4):
         r = r + step * skin * rng.uniform(-1, 1, r.size)
@@ -122,7 +129,7 @@ def test_pairs_just_within_reach_across_the_faces_are_listed(dimension, side):
     ends -= axes * ends * (1 - 10 ** rng.uniform(-4, -0.5, (100, 1)))
     r = np.concatenate([ends, ends - 0.99999 * reach * axes]).ravel()
     lists = updated(neighbours(200, [side] * dimension, 1.0, reach - 1.0), r)
-    assert_complete(lists._replace(first=lists.wide_first, end=lists.wide_end, entries=lists.wide_entries, cutoff=reach), r)
+    assert_complete(wide(lists), r)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -229,6 +236,30 @@ def test_clustering_asks_for_capacity_and_gets_it():
     lists = neighbours(number, [60.0] * 3, 2.5, 0.5)
     assert update(lists, r) == NEEDS_CAPACITY
     assert_complete(updated(lists, r)._replace(cutoff=0.5), r)
+
+
+@pytest.mark.parametrize("number", [1, 8, 9, 64, 500, 4000, 32001])
+def test_pieces_and_shares_hold_every_tile_and_slot_once(number):
+    lists = neighbours(number, [0.0, 0.0], 1.0, 0.1)
+    edges, shares = lists.shared.edges, len(lists.shared.shares)
+    assert edges[0] == 0
+    assert edges[-1] == len(lists.first) == -(-number // WIDTH)
+    assert (np.diff(edges) > 0).all()
+    # long pieces first: a thread that comes last to a round waits for a short one
+    assert (np.diff(edges)[:-2] >= np.diff(edges)[1:-1]).all()
+    held = [range(*share_of.py_func(index, number, shares)) for index in range(shares)]
+    assert [slot for part in held for slot in part] == list(range(number))
+
+
+def test_a_piece_that_lacks_room_asks_for_enough():
+    """All particles of one piece of seventeen are in one place, and the others far apart."""
+    number = 600
+    r = 40.0 * np.arange(number * 2.0).reshape(-1, 2)
+    r[:32] = 0.01 * np.random.default_rng(5).uniform(size=(32, 2))
+    lists = neighbours(number, [0.0, 0.0], 1.0, 0.5)
+    lists = lists._replace(entries=lists.entries[:300].copy(), wide_entries=lists.wide_entries[:300].copy())
+    assert update(lists, r.ravel()) == NEEDS_CAPACITY
+    assert_complete(updated(lists, r.ravel()), r.ravel())
 
 
 def test_wrong_sizes_are_refused():
