@@ -127,7 +127,7 @@ def _pointer_to(context, place):  # type: ignore[no-untyped-def]
 
 @compiled(cache=True)
 def doubles_at(place: int, number: int) -> np.ndarray:
-    """The array of so many doubles at this `address`, (number,), as long as its owner keeps it. In helpers only."""
+    """The array of `number` doubles at `place`, its `address`, as long as its owner keeps it. In helpers only."""
     array: np.ndarray = numba.carray(_pointer_to(place), (number,))  # type: ignore[attr-defined]
     return array
 

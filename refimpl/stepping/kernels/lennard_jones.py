@@ -350,12 +350,12 @@ def tile_energy(force, r):  # type: ignore[no-untyped-def]
     """Potential energy and virial of the pairs of a `LennardJones` force, from lists that are valid for `r`, (N*d,)."""
     _share_out(force, ENERGIES, len(force.neighbours.shared.edges) - 1, r, r)
     energies = force.energies
-    energy = work = 0.0
+    all_energy = all_work = 0.0
     for tile in range(len(energies)):
-        energy += energies[tile, 0]
-        work += energies[tile, 1]
+        all_energy += energies[tile, 0]
+        all_work += energies[tile, 1]
     # Each pair was found from both sides.
-    return 0.5 * energy, 0.5 * work
+    return 0.5 * all_energy, 0.5 * all_work
 
 
 @inline_piece_of_work

@@ -291,7 +291,8 @@ def update(neighbours: Neighbours, r: np.ndarray) -> int:
     bookkeeping = neighbours.bookkeeping
     bookkeeping[STATUS] = GOOD
     if bookkeeping[VALID] == 1:
-        if not _refreshed(neighbours, r):
+        still_close = _refreshed(neighbours, r)
+        if still_close:
             return GOOD
         if _moved_less(neighbours, 0.5 * (1 - CLOSE) * neighbours.skin):
             _prune(neighbours, r)
@@ -352,13 +353,13 @@ def work_on_lists(neighbours: Neighbours, kind: int, piece: int, r: np.ndarray) 
 
 @internal
 def _refreshed(neighbours: Neighbours, r: np.ndarray) -> bool:
-    """Moves all slots to `r`; True if the close lists may now miss a pair, or a coordinate is not a number."""
+    """Moves all slots to `r`; False if the close lists may now miss a pair, or a coordinate is not a number."""
     shares = len(neighbours.shared.shares)
     _share_out(neighbours, REFRESH, 2 * shares, r)
     moved = 0
     for index in range(shares):
         moved += neighbours.shared.found[index, MOVED]
-    return moved > 0
+    return moved == 0
 
 
 @piece_of_work
