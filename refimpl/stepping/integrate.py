@@ -52,7 +52,7 @@ def step(self: Any, force: Force, r: np.ndarray, v: np.ndarray, memory: Memory, 
     return state
 
 
-@overload(step, strict=False, jit_options={"forceinline": True})
+@overload(step, strict=False, inline="always")
 def _step(self: Any, force: Any, r: Any, v: Any, memory: Any, dt: Any) -> Any:
     return self.instance_class.step
 

@@ -74,7 +74,7 @@ CHECKS = (
             (
                 "N4000",
                 Fault(
-                    "one-piece",
+                    "one-piece-of-tiles",
                     "stepping/kernels/neighbours.py",
                     "PART, LEAST_TILES = 16, 4",
                     "PART, LEAST_TILES = 16, 1_000_000",

@@ -138,22 +138,22 @@ _WALLED = spheres(
 )
 KNOWN = {
     "schedulers": (
-        Known("event_driven", _gas(2, 3.0), 1484225),
-        Known("event_driven_lists", _gas(2, 3.0), 1580522),
-        Known("event_driven_calendar", _gas(2, 3.0), 1422309),
-        Known("event_driven_neighbours", _gas(2, 3.0), 2246435),
+        Known("event_driven", _gas(2, 3.0), 1403117),
+        Known("event_driven_lists", _gas(2, 3.0), 1502432),
+        Known("event_driven_calendar", _gas(2, 3.0), 1341201),
+        Known("event_driven_neighbours", _gas(2, 3.0), 2193797),
     ),
     "spheres": (
-        Known("event_driven", _gas(3, 1.0), 2007544),
-        Known("event_driven_neighbours", _gas(3, 1.0), 2540536),
+        Known("event_driven", _gas(3, 1.0), 1847506),
+        Known("event_driven_neighbours", _gas(3, 1.0), 2468482),
     ),
     "features": (
-        Known("event_driven", _WELLS, 3907166),
-        Known("event_driven", _WALLED, 724217),
-        Known("event_driven", _IN_A_BOX, 454077),
-        Known("event_driven", _IN_A_DRUM, 563459),
-        Known("event_driven", _DILUTE, 2711018),
-        Known("event_driven", _IN_CELLS, 962230),
+        Known("event_driven", _WELLS, 3497549),
+        Known("event_driven", _WALLED, 697049),
+        Known("event_driven", _IN_A_BOX, 436042),
+        Known("event_driven", _IN_A_DRUM, 545384),
+        Known("event_driven", _DILUTE, 2432432),
+        Known("event_driven", _IN_CELLS, 901714),
     ),
 }
 
