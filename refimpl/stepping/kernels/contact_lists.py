@@ -21,7 +21,7 @@ import numpy as np
 
 from refimpl.stepping.forces.generic import DIVERGED, GOOD, NEEDS_CAPACITY
 from refimpl.stepping.kernels.compiled import inline_internal, internal
-from refimpl.stepping.kernels.neighbours import FAR, LOST, ROUNDING, SAFE
+from refimpl.stepping.kernels.neighbours import FAR, LOST, ROUNDING, SAFE, sort_by_cell
 
 #: Places of the numbers in the bookkeeping of the lists: outcome of the last evaluation; 1 when the wide list is good
 #: for the positions `built`; pairs in it, and in the close one; contacts of the last evaluation; pairs for which there
@@ -206,7 +206,7 @@ def _grid(lists, r):  # type: ignore[no-untyped-def]
 def _sort(sides, r, low, width, cells, order):  # type: ignore[no-untyped-def]
     """Counting sort of the grains by cell: writes their numbers to `order`; returns where each cell begins in it."""
     d, number = len(sides), len(order)
-    start, cell_of = np.zeros(cells[0] * cells[1] * cells[2] + 1, dtype=np.int64), np.empty(number, dtype=np.int64)
+    start, cell_of = np.empty(cells[0] * cells[1] * cells[2] + 1, dtype=np.int64), np.empty(number, dtype=np.int64)
     for i in range(number):
         cell = 0
         for k in range(3):
@@ -218,16 +218,7 @@ def _sort(sides, r, low, width, cells, order):  # type: ignore[no-untyped-def]
                 place = int(min(max(x, 0.0), cells[k] - 1.0))
             cell = cell * cells[k] + place
         cell_of[i] = cell
-        start[cell + 1] += 1
-    for cell in range(len(start) - 1):
-        start[cell + 1] += start[cell]
-    for i in range(number):
-        order[start[cell_of[i]]] = i
-        start[cell_of[i]] += 1
-    # every start has moved on to its cell's end, which is the next cell's start
-    for cell in range(len(start) - 1, 0, -1):
-        start[cell] = start[cell - 1]
-    start[0] = 0
+    sort_by_cell(cell_of, start, order)
     return start
 
 

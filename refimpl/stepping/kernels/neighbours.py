@@ -617,6 +617,26 @@ def _cell(axis: _Axis, x: float, side: float) -> int:
 
 
 @internal
+def sort_by_cell(cell_of: np.ndarray, start: np.ndarray, order: np.ndarray) -> None:
+    """Counting sort of N things, cell after cell: those of cell c are order[start[c] : start[c + 1]] afterwards.
+
+    cell_of: (N,), the cell of each. start: (cells + 1,) and order: (N,), both written.
+    """
+    start[:] = 0
+    for cell in cell_of:
+        start[cell + 1] += 1
+    for cell in range(len(start) - 1):
+        start[cell + 1] += start[cell]
+    for i in range(len(order)):
+        order[start[cell_of[i]]] = i
+        start[cell_of[i]] += 1
+    # Every start has moved on to its cell's end, which is the next cell's start.
+    for cell in range(len(start) - 1, 0, -1):
+        start[cell] = start[cell - 1]
+    start[0] = 0
+
+
+@internal
 def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
     """Counting sort of the particles by cell along the snaking path: which one is in which slot."""
     sides, order, place_of, start = neighbours.sides, neighbours.order, neighbours.place_of, neighbours.start
@@ -624,26 +644,15 @@ def _sort(neighbours: Neighbours, grid: _Grid, r: np.ndarray) -> None:
     number = len(order)
     cells = grid.a.cells * grid.b.cells * grid.c.cells
     cell_of = np.empty(number, dtype=np.int32)
-    for cell in range(cells + 1):
-        start[cell] = 0
     for i in range(number):
         a = _cell(grid.a, r[i * dimension], sides[0])
         b = _cell(grid.b, r[i * dimension + 1], sides[1]) if dimension == 3 else 0
         c = _cell(grid.c, r[i * dimension + dimension - 1], sides[dimension - 1])
         column = _column(grid, a, b)
         cell_of[i] = column * grid.c.cells + (grid.c.cells - 1 - c if column % 2 else c)
-        start[cell_of[i] + 1] += 1
-    for cell in range(cells):
-        start[cell + 1] += start[cell]
-    for i in range(number):
-        slot = start[cell_of[i]]
-        start[cell_of[i]] += 1
-        order[slot] = i
-        place_of[i] = slot // WIDTH * WIDTH * dimension + slot % WIDTH
-    # Every start has moved on to its cell's end, which is the next cell's start.
-    for cell in range(cells, 0, -1):
-        start[cell] = start[cell - 1]
-    start[0] = 0
+    sort_by_cell(cell_of, start[: cells + 1], order)
+    for slot in range(number):
+        place_of[order[slot]] = slot // WIDTH * WIDTH * dimension + slot % WIDTH
 
 
 @piece_of_work
