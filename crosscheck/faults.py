@@ -9,11 +9,21 @@ from pathlib import Path
 from crosscheck.errors import UsageError
 
 
-def sources() -> Path:
-    """The directory of the installed `refimpl`."""
+def sources(overlay: Path | None = None) -> Path:
+    """The directory of the installed `refimpl`, or of the one in the directory `overlay`, which a worker runs."""
     import refimpl
 
-    return Path(refimpl.__path__[0])
+    return Path(refimpl.__path__[0]) if overlay is None else overlay / "refimpl"
+
+
+def copy_sources(package: Path, directory: Path) -> Path:
+    """Copies a package without its bytecode to `directory`, under its own name, and returns the place.
+
+    package: its directory.
+    """
+    copy = directory / package.name
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    return copy
 
 
 @dataclass(frozen=True)
@@ -35,8 +45,7 @@ class Fault:
 
         UsageError unless `old` occurs exactly once in the file.
         """
-        shutil.copytree(sources(), directory / "refimpl", ignore=shutil.ignore_patterns("__pycache__"))
-        target = directory / "refimpl" / self.file
+        target = copy_sources(sources(), directory) / self.file
         text = target.read_text(encoding="utf-8") if target.is_file() else ""
         count = text.count(self.old)
         if count != 1:

@@ -8,9 +8,10 @@ what a kernel costs that was written for the scene alone: the real one must not 
 from __future__ import annotations
 
 import ast
-import shutil
 from collections.abc import Iterable
 from pathlib import Path
+
+from crosscheck.faults import copy_sources
 
 
 def copy_without(sources: Path, directory: Path, absent: Iterable[str]) -> int:
@@ -19,8 +20,7 @@ def copy_without(sources: Path, directory: Path, absent: Iterable[str]) -> int:
     sources: directory of the package. directory: where its copy is made, under the package's own name. absent: names of
     variables and fields that are None.
     """
-    copy = directory / sources.name
-    shutil.copytree(sources, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    copy = copy_sources(sources, directory)
     decided = 0
     for file in copy.rglob("*.py"):
         cutter = _Cutter(frozenset(absent))

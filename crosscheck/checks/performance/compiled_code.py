@@ -12,15 +12,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from crosscheck.errors import EngineError
+from crosscheck.checks.performance.own_process import answer_of
 from crosscheck.scene import Method, Scene
 
 #: Seconds that a scene may take, compilation included.
@@ -42,21 +40,8 @@ def compiled_code(scene: Scene, method: Method, loop: str, overlay: Path) -> Cod
     scene, method: what runs, and how. loop: "module.function" below `refimpl`. overlay: directory with a `refimpl`, in
     whose folder `kernels` numba's cache is.
     """
-    request = overlay / "request.json"
-    request.write_text(
-        json.dumps({"scene": scene.to_json(), "method": method.model_dump_json(), "loop": loop}), encoding="utf-8"
-    )
-    path = os.pathsep.join(filter(None, [str(overlay), os.environ.get("PYTHONPATH", "")]))
-    environment = os.environ | {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(overlay / "kernels")}
-    environment |= dict.fromkeys(("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-    command = [sys.executable, "-P", "-m", __name__, str(request)]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=_LIMIT, check=False)
-    except subprocess.TimeoutExpired:
-        raise EngineError(f"refimpl, scene {scene.name}: no code within {_LIMIT:g} s") from None
-    if done.returncode:
-        raise EngineError(f"refimpl, scene {scene.name}: {done.stderr.strip()[-2000:]}")
-    return Code(**json.loads(done.stdout.splitlines()[-1]))
+    request = {"scene": scene.to_json(), "method": method.model_dump_json(), "loop": loop}
+    return Code(**answer_of(__name__, request, overlay, _LIMIT, f"code of the scene {scene.name}"))
 
 
 def _main(request: dict[str, str]) -> Code:

@@ -15,9 +15,6 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
-import os
-import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -27,8 +24,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from crosscheck.checks.performance.own_process import answer_of
 from crosscheck.engines.workers.ending import TIME_LIMIT
-from crosscheck.errors import EngineError
+from crosscheck.faults import copy_sources
 from crosscheck.scene import Method, Scene
 
 #: Files of the copy, below `refimpl`, whose functions count; and those in there that write machine code themselves.
@@ -99,23 +97,10 @@ def work_of(sources: Path, runs: Sequence[tuple[Scene, Method]], *, interpreted:
     with tempfile.TemporaryDirectory(prefix="crosscheck-work-") as name:
         directory = Path(name)
         copy_that_counts(sources, directory)
-        request = directory / "request.json"
-        texts = [(scene.to_json(), method.model_dump_json()) for scene, method in runs]
-        request.write_text(json.dumps(texts), encoding="utf-8")
-        path = os.pathsep.join(filter(None, [str(directory), os.environ.get("PYTHONPATH", "")]))
-        environment = os.environ | {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(directory / "kernels")}
-        environment |= dict.fromkeys(("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-        environment |= {"NUMBA_DISABLE_JIT": "1"} if interpreted else {}
-        command = [sys.executable, "-P", "-m", __name__, str(request)]
-        try:
-            done = subprocess.run(
-                command, capture_output=True, text=True, env=environment, timeout=TIME_LIMIT, check=False
-            )
-        except subprocess.TimeoutExpired:
-            raise EngineError(f"refimpl, scene {runs[0][0].name}: no counts within {TIME_LIMIT:g} s") from None
-    if done.returncode:
-        raise EngineError(f"refimpl, scene {runs[0][0].name}: {done.stderr.strip()[-2000:]}")
-    return [Work(**one) for one in json.loads(done.stdout.splitlines()[-1])]
+        request = [(scene.to_json(), method.model_dump_json()) for scene, method in runs]
+        plain = {"NUMBA_DISABLE_JIT": "1"} if interpreted else {}
+        what = f"counts of the scene {runs[0][0].name}"
+        return [Work(**one) for one in answer_of(__name__, request, directory, TIME_LIMIT, what, **plain)]
 
 
 def copy_that_counts(sources: Path, directory: Path) -> None:
@@ -123,8 +108,7 @@ def copy_that_counts(sources: Path, directory: Path) -> None:
 
     sources: directory of the package.
     """
-    copy = directory / "refimpl"
-    shutil.copytree(sources, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    copy = copy_sources(sources, directory)
     (copy / "work.py").write_text(_COUNTER, encoding="utf-8")
     for file in (file for pattern in _COUNTED for file in copy.glob(pattern)):
         if file.stem not in _MACHINE_CODE:

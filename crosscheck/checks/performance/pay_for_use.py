@@ -136,8 +136,7 @@ def _copies(laboratory: Laboratory, bare: _Bare, *names: str) -> Iterator[dict[s
 
     names: "general", as they are; "cut", without a trace of the features; "by hand", with a step loop of its own too.
     """
-    overlay = laboratory.pool.overlay
-    original = sources() if overlay is None else overlay / "refimpl"
+    original = sources(laboratory.pool.overlay)
     with ExitStack() as stack:
         found = {name: Path(stack.enter_context(tempfile.TemporaryDirectory())) for name in names}
         for name, directory in found.items():

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -158,19 +157,13 @@ KNOWN = {
 }
 
 
-def _original(laboratory: Laboratory) -> Path:
-    """The sources that the engine under judgement runs."""
-    overlay = laboratory.pool.overlay
-    return sources() if overlay is None else overlay / "refimpl"
-
-
 def _judge_known(laboratory: Laboratory, known: tuple[Known, ...]) -> Judged:
     """The number of operations of each run."""
     runs = [(one.scene, Method(scheme=one.scheme)) for one in known]
     for scene, method in runs:
         laboratory.demand(scene, method)
     judged = []
-    for one, work in zip(known, work_of(_original(laboratory), runs, interpreted=True), strict=True):
+    for one, work in zip(known, work_of(sources(laboratory.pool.overlay), runs, interpreted=True), strict=True):
         judged.append(
             exactly(f"operations of {one.scene.name}, {one.scheme}", work.work[-1] + work.ahead[-1], one.operations)
         )
@@ -211,7 +204,7 @@ def _judge_growth(laboratory: Laboratory, queue: _Queue) -> Judged:
     seed, method = laboratory.seed() % 2**31, Method(scheme=queue.scheme)
     runs = [(_batches(number, seed), method) for number in queue.sizes]
     laboratory.demand(*runs[0])
-    found = work_of(_original(laboratory), runs, interpreted=False)
+    found = work_of(sources(laboratory.pool.overlay), runs, interpreted=False)
     work, ahead, counts = (np.array(column) for column in zip(*map(_per_event, found), strict=True))
     n = np.array(queue.sizes, dtype=float)
     beside = [np.ones_like(n), counts[:, OPERATIONS.index("predictions")], _at_faces(n)]
