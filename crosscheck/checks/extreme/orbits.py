@@ -334,6 +334,16 @@ CHECKS = (
                     "leap-frog's kicks are a part in 1e4 too weak",
                 ),
             ),
+            (
+                "fall-through/velocity_verlet",
+                Fault(
+                    "push-back-a-little-stronger",
+                    "stepping/forces/gravity.py",
+                    "a[q] -= from_i * dx",
+                    "a[q] -= 1.000000000001 * from_i * dx",
+                    "of a pair, one body is attracted a part in 1e12 more than the other",
+                ),
+            ),
         ),
     ),
 )

@@ -4,7 +4,8 @@
 
 Kernels count what their authors thought of. Here a copy of the sources counts all: at the start of each block of
 statements the number of operations that are written in it. In plain Python and in compiled code they are the same
-numbers, whatever the processor and the compiler make of them.
+numbers, whatever the processor and the compiler make of them, but for a loop of hints to fetch memory ahead, which
+plain Python leaves out.
 
 The module runs scenes in a process of its own, which has the copy first on its path. REQUEST: a file with a list
 of pairs, the JSON texts of a scene and a method. It prints a list with an object for each scene, see `Work`.

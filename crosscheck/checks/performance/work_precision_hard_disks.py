@@ -18,7 +18,7 @@ from crosscheck.checks.base import EVENT_DRIVEN, Check, Laboratory, Variant, sof
 from crosscheck.checks.events.cooling import RESTITUTION_SQUARED, finite_size
 from crosscheck.checks.events.gases import LATTICE, duration_of, event_driven
 from crosscheck.checks.granular.gases import relaxed
-from crosscheck.checks.granular.soft_grains import soft_needs
+from crosscheck.checks.granular.soft_grains import CONTACTS, soft_needs
 from crosscheck.checks.performance.work_precision_averaging import CRITERION, FACTOR, Averages, averaged
 from crosscheck.engines.capabilities import Needs
 from crosscheck.engines.protocol import Claims, Run
@@ -259,6 +259,20 @@ def _either(observables: str, words: str = "") -> Needs:
     )
 
 
+_SOFT_VIRIAL = Fault(
+    "virial-of-contacts-too-large",
+    CONTACTS,
+    "virial += distance * normal",
+    "virial += 1.2 * distance * normal",
+    "the virial of soft contacts is a fifth too large",
+)
+_SOFT_DASHPOT = Fault(
+    "dashpot-nine-tenths",
+    CONTACTS,
+    "* scale * delta - _damping(law[DAMPING], law, model, mass, scale) * approach",
+    "* scale * delta - 0.9 * _damping(law[DAMPING], law, model, mass, scale) * approach",
+    "the normal dashpot is nine tenths of what the restitution asks for",
+)
 _VIRIAL = Fault(
     "virial-3-percent",
     "events/kernels/measure.py",
@@ -275,7 +289,7 @@ CHECKS = (
         citation="Luding, Phys. Rev. E 63, 042201 (2001); Wolff, Comput. Phys. Commun. 156, 143 (2004)",
         judge=_judge_pressure,
         variants=_schemes,
-        faults=(("event_driven", _VIRIAL),),
+        faults=(("event_driven", _VIRIAL), (_SOFT, _SOFT_VIRIAL)),
         needs=_either("collisional_virial"),
         timing=True,
     ),
@@ -287,7 +301,7 @@ CHECKS = (
         citation="Haff, J. Fluid Mech. 134, 401 (1983); van Noije & Ernst, Granul. Matter 1, 57 (1998)",
         judge=_judge_haff,
         variants=_schemes,
-        faults=(("event_driven", RESTITUTION_SQUARED),),
+        faults=(("event_driven", RESTITUTION_SQUARED), (_SOFT, _SOFT_DASHPOT)),
         needs=_either("kinetic_energy", "hard_spheres.restitution"),
         timing=True,
     ),

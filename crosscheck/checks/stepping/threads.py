@@ -152,11 +152,11 @@ CHECKS = (
             (
                 "walled-mixture",
                 Fault(
-                    "nobody-waits-for-forces",
+                    "helpers-leave-out-forces",
                     _KERNEL,
-                    "wait_for_pieces(force.neighbours.shared.flags, pieces)",
-                    "wait_for_pieces(force.neighbours.shared.flags, 0)",
-                    "accelerations are made of the forces of tiles that another thread is still at",
+                    "piece = _work(force, kind, piece, r, doubles_at(shared.task[RESULT], number))",
+                    "piece_done(shared.flags)\n                piece = next_piece(shared.flags)",
+                    "threads that help take pieces of the work on forces and do nothing",
                 ),
             ),
         ),
